@@ -5,9 +5,10 @@
 #include <cmath>
 #include <memory>
 #include <ostream>
-#include <sstream>
+#include <ranges>
 #include <stdexcept>
 
+#include "forcebound/control/classic_text.hpp"
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/control/passivity_controller.hpp"
 #include "forcebound/text/file.hpp"
@@ -22,9 +23,7 @@ using control::Vector;
 
 template <typename... Parts>
 [[noreturn]] void refuse_option(const Parts&... parts) {
-  std::ostringstream text;
-  (text << ... << parts);
-  throw std::invalid_argument(text.str());
+  throw std::invalid_argument(control::joined(parts...));
 }
 
 std::string numbered(const std::string& before, Eigen::Index axis, const std::string& after) {
@@ -42,10 +41,10 @@ Eigen::Index axes_of(const std::vector<std::string>& header, const CsvReader& re
   for (Eigen::Index axes = 1; axes <= control::kDofMax; ++axes) {
     if (header == input_columns(axes)) return axes;
   }
-  std::string got;
-  for (const std::string& field : header) got += (got.empty() ? "" : ",") + field;
+  std::string got = header.front();
+  for (const std::string& field : header | std::views::drop(1)) got.append(",").append(field);
   reader.refuse("expected the header time_s,x0_m[,x1_m..],fe0_N[,fe1_N..] for 1 to 6 axes, got '" + got.substr(0, 100) +
-                "'");
+                "'" + (header.front().empty() ? ", whose first column has no name (pandas: to_csv(index=False))" : ""));
 }
 
 std::string counted(Eigen::Index count, const char* one, const char* many) {
@@ -191,16 +190,27 @@ ReplayCounts replay(const ReplayOptions& options, const ReplayInput& input, std:
   write_line(output, output_header(axes));
 
   ReplayCounts counts;
+  counts.pace.period_s = options.period_s;
   std::optional<double> previous_s;
+  Vector previous_m;
+  double total_s = 0;
   for (auto row = reader.row(columns); !row.empty(); row = reader.row(columns)) {
     const double time_s = row.front();
     motion.interval_s = checked_interval_s(time_s, previous_s, reader);
     motion.position = motion.joint = Vector::Map(row.data() + 1, axes);
     const Vector force = controller.tick(motion, Vector::Map(row.data() + 1 + axes, axes));
     write_line(output, answer(time_s, force, controller.law()));
+    if (motion.interval_s > 0) {
+      const double speed_m_per_s = (motion.position - previous_m).norm() / motion.interval_s;
+      // Not one that is not a number.
+      if (speed_m_per_s > counts.pace.speed_m_per_s_max) counts.pace.speed_m_per_s_max = speed_m_per_s;
+    }
+    total_s += motion.interval_s;
     previous_s = time_s;
+    previous_m = motion.position;
     ++counts.rows;
   }
+  if (counts.rows > 1) counts.pace.interval_s = total_s / static_cast<double>(counts.rows - 1);
   counts.requests_not_finite = controller.counts().requests_not_finite;
   counts.readings_not_finite = controller.counts().readings_not_finite;
   counts.intervals_impossible = controller.counts().intervals_impossible;

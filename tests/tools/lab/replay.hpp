@@ -9,6 +9,7 @@
 
 #include "forcebound/baselines/baselines.hpp"
 #include "forcebound/control/law_registry.hpp"
+#include "forcebound/device/simulated/likely_units.hpp"
 
 namespace forcebound::lab {
 
@@ -32,6 +33,7 @@ struct ReplayCounts {
   std::uint64_t rows = 0;
   std::uint64_t requests_not_finite = 0;   ///< answered with zero force
   std::uint64_t readings_not_finite = 0;   ///< likewise, and charged to the ledger
+  device::RecordedPace pace{};             ///< of all rows
   std::uint64_t intervals_impossible = 0;  ///< no time since the row before, or too much: charged to the ledger
 };
 

@@ -76,7 +76,10 @@ Stream opened(const std::string& path, const char* failed) {
   return stream;
 }
 
-void report(const ReplayCounts& counts) {
+void report(const ReplayCounts& counts, const std::string& input) {
+  if (const std::string doubt = device::doubt_of_units(counts.pace); !doubt.empty()) {
+    std::cerr << "note: " << input << ' ' << doubt << '\n';
+  }
   if (counts.requests_not_finite > 0) {
     std::cerr << "note: " << counts.requests_not_finite << " of " << counts.rows
               << " rows asked for a force that is not finite: zero force\n";
@@ -103,7 +106,7 @@ void run(const ReplayArguments& arguments) {
   if (arguments.output != "-") output_file = opened<std::ofstream>(arguments.output, "cannot be written");
   const ReplayInput input =
       arguments.input == "-" ? ReplayInput{std::cin, "<stdin>"} : ReplayInput{input_file, arguments.input};
-  report(replay(options, input, arguments.output == "-" ? std::cout : output_file));
+  report(replay(options, input, arguments.output == "-" ? std::cout : output_file), input.name);
 }
 
 }  // namespace

@@ -1,5 +1,9 @@
 #include "forcebound/client/app/device_in_words.hpp"
 
+#include <spdlog/spdlog.h>
+
+#include "forcebound/device/simulated/make_operator.hpp"
+
 namespace forcebound::client {
 
 std::string first_words(const device::HapticDevice& device, const std::string& hand) {
@@ -7,6 +11,11 @@ std::string first_words(const device::HapticDevice& device, const std::string& h
   if (device.is_simulated()) return name + " and its hand '" + hand + "' are simulated";
   if (device.bounds_are_identified()) return name + " is not simulated";
   return name + " is not simulated, its bounds not identified (forcebound-lab identify measures them)";
+}
+
+void warn_of_hand(const std::string& hand, const device::HapticDevice& device) {
+  const std::string doubt = device::doubt_of_hand(hand, device.facts().translations());
+  if (!doubt.empty()) spdlog::warn("{}", doubt);
 }
 
 std::string guarantee_with(const device::HapticDevice& device, const std::string& guarantee) {

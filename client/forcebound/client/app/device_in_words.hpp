@@ -10,6 +10,9 @@ namespace forcebound::client {
 /// ever measured. @param hand the simulated one, by its name
 [[nodiscard]] std::string first_words(const device::HapticDevice& device, const std::string& hand);
 
+/// Logs what makes the units of a recorded hand's file doubtful, if anything. @param hand as for first_words
+void warn_of_hand(const std::string& hand, const device::HapticDevice& device);
+
 /// What a law guarantees with this device, to whom nobody audits it: nothing, while the device's bounds are guesses.
 /// @param guarantee of the law, see LawRegistry::guarantee; empty: nothing
 [[nodiscard]] std::string guarantee_with(const device::HapticDevice& device, const std::string& guarantee);

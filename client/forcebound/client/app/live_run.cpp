@@ -122,6 +122,7 @@ class LiveRun {
     Client client(main.settings, *main.device, std::move(main.law), {&line, main.tap.get()});
     spdlog::info("{}; law {}, server {}, {}", first_words(*main.device, main.settings.hand), choice_.law,
                  options_.server, encryption_in_words(options_));
+    warn_of_hand(main.settings.hand, *main.device);
     Screen screen(of_run, line, client.events(), [this](const EventWords& words) { show_event(0, words); });
     Beside beside;
     time::Nanoseconds last{0};

@@ -57,6 +57,7 @@ int run(const Options& options, const std::atomic<bool>& stop) {
   Client client(settings, *device, std::move(law), {&line});
   spdlog::info("{}; law {}, server {}, {}", first_words(*device, options.device.hand), options.law, options.server,
                encryption_in_words(options));
+  warn_of_hand(options.device.hand, *device);
   Screen screen(options, line, client.events());
   Nanoseconds last{0};
   bool grant_told = false;

@@ -77,12 +77,20 @@ std::string recorded_hand(std::string_view specification) {
   return std::string(specification.substr(0, specification.find(',')));
 }
 
+std::string doubt_of_hand(const std::string& specification, int dof) {
+  const std::string file = recorded_hand(specification);
+  if (file.empty()) return {};
+  const Made hand = make_operator(specification, dof);
+  const std::string& doubt = dynamic_cast<const ReplayOperator&>(*hand).doubt();
+  return doubt.empty() ? doubt : "the hand of '" + file + "' " + doubt;
+}
+
 std::string operators_help() {
   constexpr int kDof = 3;
   std::string text;
   for (const Entry& entry : kOperators)
     text += entry.make(OperatorSettings(std::string(entry.name), ""), kDof)->description() + "\n";
-  const std::vector<MotionSample> still = {{0, Vector::Zero(kDof)}, {1, Vector::Zero(kDof)}};
+  const std::vector<MotionSample> still = {{0, Vector::Zero(kDof)}, {1e-3, Vector::Zero(kDof)}};
   text += ReplayOperator(OperatorSettings("replay:FILE.csv", ""), kDof, still).description() + "\n";
   text += "each but carry, to press a button of the handle: button=0,button_from_s=0,button_until_s=TIME\n";
   text += "on a device that turns, all: turn_x_rad=0,turn_y_rad=0,turn_z_rad=0,turn_Hz=0.5\n";

@@ -29,6 +29,10 @@ namespace forcebound::device {
 /// The file of a recorded hand, `replay:FILE.csv[,KEY=VALUE...]`; empty for any other.
 [[nodiscard]] std::string recorded_hand(std::string_view specification);
 
+/// Of a recorded hand, one line where its file is likely to have other units than seconds and metres; empty for any
+/// other. @throws as make_operator.
+[[nodiscard]] std::string doubt_of_hand(const std::string& specification, int dof);
+
 /// Every operator with all its keys and their defaults, one on a line, for --help.
 [[nodiscard]] std::string operators_help();
 

@@ -94,6 +94,9 @@ class SpecifiedOperator : public Operator {
     description_ = settings.complete();
   }
 
+  /// Behind what finish has written.
+  void add_to_description(const std::string& words) { description_ += words; }
+
  private:
   std::string name_;
   int dof_;

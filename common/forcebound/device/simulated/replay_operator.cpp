@@ -5,6 +5,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "forcebound/device/simulated/likely_units.hpp"
 #include "forcebound/text/lines.hpp"
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/text/terminal.hpp"
@@ -78,6 +79,16 @@ Vector parabola_slope(const MotionSample& a, const MotionSample& b, const Motion
   return (after * first + before * second) / (before + after);
 }
 
+std::string doubt_of(const std::vector<MotionSample>& motion) {
+  RecordedPace pace{.interval_s = motion.back().time_s / static_cast<double>(motion.size() - 1)};
+  for (std::size_t i = 1; i < motion.size(); ++i) {
+    const double speed_m_per_s =
+        (motion[i].position - motion[i - 1].position).norm() / (motion[i].time_s - motion[i - 1].time_s);
+    pace.speed_m_per_s_max = std::max(pace.speed_m_per_s_max, speed_m_per_s);
+  }
+  return doubt_of_units(pace);
+}
+
 }  // namespace
 
 std::vector<MotionSample> parse_motion(std::string_view csv_text, const std::string& place, int dof) {
@@ -91,6 +102,8 @@ ReplayOperator::ReplayOperator(OperatorSettings settings, int dof, std::vector<M
   const Vector offset = settings.offset(dof);
   finish(settings);
   for (MotionSample& sample : motion_) sample.position = scale * sample.position + offset;
+  doubt_ = doubt_of(motion_);
+  if (!doubt_.empty()) add_to_description("; it " + doubt_);
   velocity_.assign(motion_.size(), Vector::Zero(dof));
   for (std::size_t i = 1; i + 1 < motion_.size(); ++i) {
     velocity_[i] = parabola_slope(motion_[i - 1], motion_[i], motion_[i + 1]);

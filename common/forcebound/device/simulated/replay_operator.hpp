@@ -25,7 +25,7 @@ struct MotionSample {
 ///
 /// Between the rows the target is the cubic through their positions with the velocities of the parabola through each
 /// row and its neighbours, zero at both ends: continuously differentiable. A session longer than the recording plays it
-/// backwards, forwards again, and so on.
+/// backwards, forwards again, and so on. The description ends with what makes its units doubtful.
 class ReplayOperator final : public SpecifiedOperator {
  public:
   /// @param motion from parse_motion.
@@ -33,9 +33,13 @@ class ReplayOperator final : public SpecifiedOperator {
   ReplayOperator(OperatorSettings settings, int dof, std::vector<MotionSample> motion);
   [[nodiscard]] Target target(double time_s) const noexcept override;
 
+  /// See doubt_of_units; empty: nothing.
+  [[nodiscard]] const std::string& doubt() const noexcept { return doubt_; }
+
  private:
   std::vector<MotionSample> motion_;
   std::vector<Vector> velocity_;
+  std::string doubt_;
 };
 
 }  // namespace forcebound::device

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <limits>
 #include <optional>
+#include <ranges>
 #include <sstream>
 #include <stdexcept>
 #include <string_view>
@@ -21,6 +22,10 @@ namespace forcebound::scene {
 namespace {
 
 using Words = std::vector<std::string_view>;
+
+constexpr std::string_view kSolid = "solid";
+constexpr std::size_t kStlHead = 84;
+constexpr std::size_t kStlTriangle = 50;
 
 std::string quoted(std::string_view word) {
   constexpr std::size_t kMost = 40;
@@ -68,30 +73,49 @@ std::int64_t count_at(const Lines& lines, std::string_view word, const char* wha
   return *count;
 }
 
-void check_binary_stl(const std::string& path, const std::string& content) {
-  constexpr std::size_t kHead = 84;
-  constexpr std::size_t kTriangle = 50;
-  const auto fail = [&](const std::string& what) { throw std::runtime_error(path + ": " + what); };
-  if (content.size() < kHead)
-    fail("ends after " + std::to_string(content.size()) + " bytes, in the head of an STL file");
+/// In small letters: a text STL may be written in any.
+std::string lowered(std::string_view word) {
+  std::string small(word);
+  std::ranges::transform(small, small.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; });
+  return small;
+}
+
+/// What a line of a text STL begins with: its first word, and `end solid` as `endsolid`.
+std::string stl_keyword(const Words& words) {
+  const std::string first = lowered(words.front());
+  return first == "end" && words.size() > 1 ? first + lowered(words[1]) : first;
+}
+
+bool is_text_stl(std::string_view content) {
+  // Binary files may begin with "solid" as well; no text has a zero byte.
+  if (content.find('\0') != std::string_view::npos) return false;
+  content.remove_prefix(std::min(content.find_first_not_of(" \t\r\n"), content.size()));
+  return lowered(content.substr(0, kSolid.size())) == kSolid;
+}
+
+/// The triangles that a binary STL says it has.
+std::uint32_t binary_stl_triangles(std::string_view content) {
   std::uint32_t triangles = 0;
-  std::memcpy(&triangles, content.data() + kHead - sizeof triangles, sizeof triangles);
-  const std::size_t whole = (content.size() - kHead) / kTriangle;
+  std::memcpy(&triangles, content.data() + kStlHead - sizeof triangles, sizeof triangles);
+  return triangles;
+}
+
+void check_binary_stl(const std::string& path, const std::string& content) {
+  const auto fail = [&](const std::string& what) { throw std::runtime_error(path + ": " + what); };
+  if (content.size() < kStlHead)
+    fail("ends after " + std::to_string(content.size()) + " bytes, in the head of an STL file");
+  const std::uint32_t triangles = binary_stl_triangles(content);
+  const std::size_t whole = (content.size() - kStlHead) / kStlTriangle;
   if (whole < triangles) {
     fail("ends after " + std::to_string(whole) + " of " + std::to_string(triangles) + " triangles");
   }
   for (std::size_t i = 0; i < triangles; ++i) {
     std::array<float, 9> corners{};
-    std::memcpy(corners.data(), content.data() + kHead + i * kTriangle + 3 * sizeof(float), sizeof corners);
+    std::memcpy(corners.data(), content.data() + kStlHead + i * kStlTriangle + 3 * sizeof(float), sizeof corners);
     if (!std::ranges::all_of(corners, [](float value) { return std::isfinite(value); })) {
       fail("triangle " + std::to_string(i + 1) + " has a coordinate that is not finite");
     }
   }
-}
-
-bool is_text_stl(const std::string& content) {
-  // Binary files may begin with "solid" as well; no text has a zero byte.
-  return content.find('\0') == std::string::npos && text::trimmed(content).starts_with("solid");
 }
 
 }  // namespace
@@ -176,18 +200,36 @@ void check_stl(const std::string& path, const std::string& content) {
   while (true) {
     const Words& words = lines.next();
     if (words.empty()) break;
-    if (words.front() == "solid") in_solid = true;
-    if (words.front() == "endsolid") in_solid = false;
-    if (words.front() == "facet") corners = 0;
-    if (words.front() == "vertex") {
+    const std::string keyword = stl_keyword(words);
+    if (keyword == kSolid) in_solid = true;
+    if (keyword == "endsolid") in_solid = false;
+    if (keyword == "facet") corners = 0;
+    if (keyword == "vertex") {
       lines.expect_coordinates(1);
       ++corners;
     }
-    if (words.front() == "endfacet" && corners != 3) {
+    if (keyword == "endfacet" && corners != 3) {
       lines.refuse("a facet needs three vertices, got " + std::to_string(corners));
     }
   }
   if (in_solid) lines.refuse("the file ends without endsolid");
+}
+
+std::string plain_stl(const std::string& content) {
+  if (!is_text_stl(content)) return content.substr(0, kStlHead + kStlTriangle * binary_stl_triangles(content));
+  std::string plain;
+  Lines lines({}, content);
+  while (true) {
+    const Words& words = lines.next();
+    if (words.empty()) return plain;
+    const std::string keyword = stl_keyword(words);
+    plain += keyword;
+    // Without the names of solids, in which any letter may be.
+    if (!keyword.ends_with(kSolid)) {
+      for (const std::string_view word : words | std::views::drop(1)) plain.append(" ").append(lowered(word));
+    }
+    plain += '\n';
+  }
 }
 
 }  // namespace forcebound::scene

@@ -13,4 +13,8 @@ void check_obj(const std::string& path, const std::string& content);
 void check_off(const std::string& path, const std::string& content);
 void check_stl(const std::string& path, const std::string& content);
 
+/// An STL file that `check_stl` accepts as every importer reads it: a text in small letters from its first byte on,
+/// with `endsolid` in one word and no names; a binary one without what follows its last triangle.
+[[nodiscard]] std::string plain_stl(const std::string& content);
+
 }  // namespace forcebound::scene

@@ -28,9 +28,11 @@ namespace {
 struct Format {
   std::string_view ending;
   void (*check)(const std::string& path, const std::string& content);
+  std::string (*plain)(const std::string& content) = nullptr;  ///< if it must be written otherwise for the importer
 };
 
-constexpr std::array kFormats{Format{".obj", check_obj}, Format{".off", check_off}, Format{".stl", check_stl}};
+constexpr std::array kFormats{Format{".obj", check_obj}, Format{".off", check_off},
+                              Format{".stl", check_stl, plain_stl}};
 
 const Format& format_of(const std::string& path) {
   std::string ending = std::filesystem::path(path).extension().string();
@@ -99,6 +101,7 @@ TriangleMesh load_mesh(const std::string& path, const MeshPlacement& placement) 
   try {
     content = text::read_file(path);
     format.check(path, content);
+    if (format.plain != nullptr) content = format.plain(content);
   } catch (const GeometryError&) {
     throw;
   } catch (const std::runtime_error& error) {

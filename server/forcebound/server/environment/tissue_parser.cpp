@@ -165,6 +165,7 @@ scene::SceneDynamicModel parse_tissue(CheckedTable& table, const std::string& na
   const Values values = completed(keys, given);
   std::string shape_text;
   TetrahedralMesh mesh = parse_mesh_of_tissue(table, shape_text);
+  shape_text += pieces_in_words(mesh);
   std::vector<int> held = parse_held(table, mesh);
   return table.built_at(table.node(), [&] {
     TissueDescription tissue{

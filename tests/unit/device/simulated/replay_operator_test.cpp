@@ -3,9 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <string>
+
 #include "forcebound/device/load_device.hpp"
 #include "forcebound/device/simulated/make_operator.hpp"
 #include "forcebound/device/simulated/simulated_device.hpp"
+#include "forcebound/text/numbers.hpp"
 #include "tests/tools/data/recorded_data.hpp"
 
 namespace forcebound::device {
@@ -80,6 +84,28 @@ TEST(ReplayOperator, PlaysBackwardsAtTheEndAndForwardsAgainAtTheBeginning) {
     EXPECT_NEAR(hand.target(0.8 - t).velocity[0], -hand.target(t).velocity[0], 1e-13);
     EXPECT_NEAR(hand.target(0.8 * 1000 + t).position[0], hand.target(t).position[0], 1e-12);
   }
+}
+
+// A hand that goes 60 mm in 0.1 s at most, in units of which two are wrong.
+TEST(ReplayOperator, InOtherUnitsThanSecondsAndMetresSaysWhich) {
+  const auto doubt = [](double time_unit, double length_unit, const std::string& settings = "") {
+    std::string rows = "time_s,x_m\n";
+    for (int i = 0; i < 100; ++i) {
+      rows += text::to_text(1e-3 * i * time_unit) + "," + text::to_text(0.05 * std::sin(0.01 * i) * length_unit) + "\n";
+    }
+    const ReplayOperator hand = replay(rows, 1, settings);
+    EXPECT_EQ(hand.doubt().empty(), hand.description().find("; it ") == std::string::npos);
+    return hand.doubt();
+  };
+  EXPECT_EQ(doubt(1, 1), "");
+  EXPECT_EQ(doubt(1, 1000), "moves at up to 500 m/s: are its positions in mm?");
+  EXPECT_EQ(doubt(1, 1000, "scale=0.001"), "");
+  EXPECT_EQ(doubt(1e3, 1), "has rows 1 s apart, 1000 times the period of 0.001 s: are its times in ms?");
+  EXPECT_EQ(doubt(1e3, 1e3), doubt(1e3, 1));
+  EXPECT_THAT(doubt(1e6, 1), HasSubstr("are its times in us?"));
+  EXPECT_THAT(doubt(1e9, 1), HasSubstr("are its times in ns?"));
+  EXPECT_EQ(doubt(100, 1), "");  // ten rows a second
+  EXPECT_THAT(doubt(1e-3, 1), HasSubstr("is the period in ms?"));
 }
 
 TEST(ReplayOperator, BeginsAtRestAndScalesBeforeItMoves) {

@@ -2,8 +2,13 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <filesystem>
 #include <limits>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "tests/support/process.hpp"
@@ -81,6 +86,43 @@ TEST_F(MeshFile, ReadsObjOffAndBothKindsOfStl) {
   EXPECT_EQ(to_text(load_mesh(write("b.stl", binary_stl())).report()), "1 triangle, 3 vertices, open; 3 open edges");
 }
 
+TEST_F(MeshFile, ReadsTextStlInAnyLettersWithBlankLinesAndAnyEnd) {
+  const auto with = [](std::string_view old, std::string_view other) {
+    std::string text = text_stl();
+    text.replace(text.rfind(old), old.size(), other);
+    return text;
+  };
+  std::string capital = text_stl();
+  std::ranges::transform(capital, capital.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  for (const std::string& text :
+       {capital, with("solid tetrahedron", "Solid tetrahedron"), "\r\n \n" + text_stl(), with("endsolid", "ENDSOLID"),
+        with("endsolid", "end solid"), with("endsolid", "End  Solid tetrahedron"), with("1 0 0", "1.0E+0 0 0"),
+        with("solid tetrahedron", "solid K\xc3\xb6rper solid")}) {
+    SCOPED_TRACE(text);
+    expect_tetrahedron(load_mesh(write("t.stl", text)));
+  }
+}
+
+TEST_F(MeshFile, ReadsABinaryStlWithBytesBehindItsLastTriangle) {
+  for (const std::string& header : {"solid, but binary", "exported         "}) {
+    const std::string content = header + binary_stl().substr(header.size()) + "appends";
+    EXPECT_EQ(to_text(load_mesh(write("b.stl", content)).report()), "1 triangle, 3 vertices, open; 3 open edges");
+  }
+}
+
+TEST_F(MeshFile, ReadsTheStlFilesThatOthersReported) {
+  const auto folder = recorded_data("reports");
+  if (!folder) GTEST_SKIP() << "no reports in FORCEBOUND_DATA";
+  int files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(*folder)) {
+    if (entry.path().extension() != ".stl") continue;
+    SCOPED_TRACE(entry.path());
+    EXPECT_THAT(to_text(load_mesh(entry.path().string()).report()), StartsWith("12 triangles, 8 vertices, closed"));
+    ++files;
+  }
+  EXPECT_EQ(files, 7);
+}
+
 TEST_F(MeshFile, PlacesTheMeshByScaleAndOffset) {
   const auto mesh = load_mesh(write("t.obj", kTetrahedronObj), {.scale = 1e-3, .offset_m = {1, 2, 3}});
   EXPECT_EQ(mesh.origin_m(), Point(1 + 0.5e-3, 2 + 0.5e-3, 3 + 0.5e-3));
@@ -131,6 +173,8 @@ TEST_F(MeshFile, RefusesAnStlWithFileAndWhere) {
   expect_refusal("a.stl", binary_stl().substr(0, 133), ": ends after 0 of 1 triangles");
   expect_refusal("a.stl", binary_stl(std::numeric_limits<float>::quiet_NaN()), ": triangle 1 has a coordinate");
   expect_refusal("a.stl", text_stl(""), ":29: the file ends without endsolid");
+  expect_refusal("a.stl", "\n" + text_stl("end loop\n"), ":31: the file ends without endsolid");
+  expect_refusal("a.stl", "SOLID\nFACET NORMAL 0 0 1\nOUTER LOOP\nVERTEX 0 0 NaN\n", ":4: 'NaN' is not");
   expect_refusal("a.stl", "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 nan\n", ":4: 'nan' is not");
   expect_refusal("a.stl", "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nendloop\nendfacet\nendsolid\n",
                  ":6: a facet needs three vertices, got 1");

@@ -332,6 +332,30 @@ TEST(Replay, RefusesAHeaderItDoesNotKnow) {
   }
 }
 
+TEST(Replay, ShowsAnEmptyFirstColumnOfTheHeaderAndWhatMakesIt) {
+  EXPECT_THAT(refusal(wall_options(), ",time_s,x0_m,fe0_N\n0,0,0,0\n"),
+              HasSubstr("got ',time_s,x0_m,fe0_N', whose first column has no name (pandas: to_csv(index=False))"));
+}
+
+TEST(Replay, KnowsThePaceOfItsRowsSoThatOtherUnitsAreSaid) {
+  const auto doubt = [](const char* rows) {
+    std::istringstream input(std::string("time_s,x0_m,fe0_N\n") + rows);
+    std::ostringstream output;
+    ReplayOptions options = wall_options();
+    options.period_s = 1e-3;
+    return device::doubt_of_units(replay(options, {input, "rows.csv"}, output).pace);
+  };
+  EXPECT_EQ(doubt("0,0,0\n0.001,1e-3,0\n0.002,2e-3,0\n"), "");
+  EXPECT_EQ(doubt("0,0,0\n0.001,4e-3,0\n0.002,5e-3,0\n"), "moves at up to 4 m/s: are its positions in mm?");
+  EXPECT_EQ(doubt("0,0,0\n1,1e-3,0\n2,2e-3,0\n"),
+            "has rows 1 s apart, 1000 times the period of 0.001 s: are its times in ms?");
+  EXPECT_EQ(
+      doubt("0,0,0\n1e-6,0,0\n2e-6,0,0\n"),
+      "has rows 0.000001 s apart, 0.001 times the period of 0.001 s: are its times in 1000 s, or is the period in "
+      "ms?");
+  EXPECT_EQ(doubt("0,0,0\n"), "");
+}
+
 TEST(Replay, RefusesAMalformedRowByFileAndLine) {
   const std::string good = "time_s,x0_m,fe0_N\n0,0,0\n";
   EXPECT_THAT(refusal(wall_options(), good + "0.001,1,\n"), HasSubstr("rows.csv:3: fe0_N: '' is not a number"));

@@ -16,6 +16,7 @@
 #include "forcebound/server/dynamics/bodies/description.hpp"
 #include "forcebound/server/dynamics/bodies/mjcf_check.hpp"
 #include "forcebound/server/dynamics/bodies/phantom_contacts.hpp"
+#include "forcebound/text/classic_locale.hpp"
 #include "forcebound/text/file.hpp"
 #include "forcebound/text/numbers.hpp"
 
@@ -108,14 +109,23 @@ void check_options(const mjModel& model) {
   if (model.opt.integrator == mjINT_RK4) throw BodiesError("integrator must be Euler or implicit, got RK4");
 }
 
+/// With the version, where the file may be of a newer one.
+std::string with_version(std::string error) {
+  const auto says = [&error](const char* words) { return error.find(words) != std::string::npos; };
+  if (!says("invalid keyword") && !says("unrecognized")) return error;
+  error = in_one_line(std::move(error));
+  return error + "; read by MuJoCo " + mj_versionString() + ", which knows no words of newer versions";
+}
+
 ModelPointer load(const char* file, const mjVFS* files) {
   std::array<char, 1000> error{};
   ModelPointer model;
   {
+    const text::ClassicLocale with_points;
     const ErrorsThrow guard;
     model.reset(mj_loadXML(file, files, error.data(), static_cast<int>(error.size())));
   }
-  if (!model) throw BodiesError(error.data());
+  if (!model) throw BodiesError(with_version(error.data()));
   check_options(*model);
   const DataPointer data = make_data(*model);
   if (!step(*model, *data)) {

@@ -125,6 +125,26 @@ class GmshReader {
     return numbers;
   }
 
+  // Tags of entities, physical groups and partitions, which may be negative (a ghost cell's partition is), say nothing
+  // about the shape.
+  void leave_out_tags(Words& words, std::size_t from, Tag count, const std::string& expected) const {
+    if (from > words.size() || count > words.size() - from) refuse_line(expected);
+    const auto first = words.begin() + static_cast<std::ptrdiff_t>(from);
+    const auto last = first + static_cast<std::ptrdiff_t>(count);
+    for (auto word = first; word != last; ++word) {
+      if (!text::whole_number<std::int64_t>(*word)) refuse_line(expected);
+    }
+    words.erase(first, last);
+  }
+
+  // Of version 4.1: dimension, then without the entity two numbers more.
+  std::vector<Tag> block_header(const std::string& expected) {
+    Words words = row(expected);
+    if (words.size() != 4) refuse_line(expected);
+    leave_out_tags(words, 1, 1, expected);
+    return whole_numbers(words, expected);
+  }
+
   std::vector<Tag> header(std::size_t count, const std::string& expected) {
     const auto numbers = whole_numbers(row(expected), expected);
     if (numbers.size() != count) refuse_line(expected);
@@ -216,14 +236,14 @@ class GmshReader {
       const std::string expected = "element " + std::to_string(i) + " of " + std::to_string(count) +
                                    (version_ == 1 ? ": number, type, two tags, number of nodes, nodes"
                                                   : ": number, type, number of tags, tags, nodes");
-      const auto numbers = whole_numbers(row(expected), expected);
-      if (numbers.size() < 4) refuse_line(expected);
-      const std::size_t tags = version_ == 1 ? 2 : numbers[2];
-      // Version 1 says how many nodes follow; later ones leave that to the type.
-      if (version_ == 1 && (numbers.size() < 5 || numbers[4] != numbers.size() - 5)) refuse_line(expected);
-      if (tags > numbers.size() - 3) refuse_line(expected);
-      add_element(numbers[1],
-                  {numbers.begin() + static_cast<std::ptrdiff_t>(version_ == 1 ? 5 : 3 + tags), numbers.end()});
+      Words words = row(expected);
+      if (words.size() < 4) refuse_line(expected);
+      const Tag tags = version_ == 1 ? 2 : whole_numbers({words[2]}, expected)[0];
+      leave_out_tags(words, version_ == 1 ? 2 : 3, tags, expected);
+      // Before the nodes: number, type, and in version 1 how many nodes follow; later ones leave that to the type.
+      const auto numbers = whole_numbers(words, expected);
+      if (version_ == 1 && (numbers.size() < 3 || numbers[2] != numbers.size() - 3)) refuse_line(expected);
+      add_element(numbers[1], {numbers.begin() + 3, numbers.end()});
     }
     end(last);
   }
@@ -277,9 +297,9 @@ class GmshReader {
     for (Tag block = 1; block <= said.blocks; ++block) {
       const std::string expected = "block " + std::to_string(block) + " of " + std::to_string(said.blocks) +
                                    ": dimension, entity, 0 or 1 (parametric), number of nodes";
-      const auto numbers = header(4, expected);
-      if (numbers[0] > 3 || numbers[2] > 1) refuse_line(expected);
-      node_block(numbers[3], numbers[2] == 1 ? numbers[0] : 0, said);
+      const auto numbers = block_header(expected);
+      if (numbers[0] > 3 || numbers[1] > 1) refuse_line(expected);
+      node_block(numbers[2], numbers[1] == 1 ? numbers[0] : 0, said);
     }
     end("$EndNodes");
     check(said);
@@ -305,14 +325,14 @@ class GmshReader {
     for (Tag block = 1; block <= said.blocks; ++block) {
       const std::string expected = "block " + std::to_string(block) + " of " + std::to_string(said.blocks) +
                                    ": dimension, entity, type, number of elements";
-      const auto numbers = header(4, expected);
-      for (Tag i = 1; i <= numbers[3]; ++i) {
+      const auto numbers = block_header(expected);
+      for (Tag i = 1; i <= numbers[2]; ++i) {
         const std::string row_expected =
-            "element " + std::to_string(i) + " of " + std::to_string(numbers[3]) + ": number, nodes";
+            "element " + std::to_string(i) + " of " + std::to_string(numbers[2]) + ": number, nodes";
         const auto element = whole_numbers(row(row_expected), row_expected);
         if (element.size() < 2) refuse_line(row_expected);
         said.note(element[0]);
-        add_element(numbers[2], {element.begin() + 1, element.end()});
+        add_element(numbers[1], {element.begin() + 1, element.end()});
       }
     }
     end("$EndElements");

@@ -2,12 +2,14 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cstdint>
 #include <limits>
 #include <map>
 #include <numeric>
 #include <stdexcept>
 
 #include "forcebound/text/numbers.hpp"
+#include "forcebound/text/terminal.hpp"
 
 namespace forcebound::server {
 namespace {
@@ -57,6 +59,7 @@ TetrahedralMesh::TetrahedralMesh(const TetrahedralSoup& soup, const scene::MeshP
   if (soup.tetrahedra.empty()) throw std::runtime_error(soup.name + ": expected at least one tetrahedron");
   take_nodes(soup, placement);
   find_surface(soup);
+  count_pieces();
 }
 
 void TetrahedralMesh::take_nodes(const TetrahedralSoup& soup, const scene::MeshPlacement& placement) {
@@ -143,6 +146,23 @@ void TetrahedralMesh::find_surface(const TetrahedralSoup& soup) {
   }
 }
 
+void TetrahedralMesh::count_pieces() {
+  std::vector<int> joined_to(nodes_m_.size());
+  std::iota(joined_to.begin(), joined_to.end(), 0);
+  const auto root_of = [&](int node) {
+    while (joined_to[node] != node) node = joined_to[node] = joined_to[joined_to[node]];
+    return node;
+  };
+  for (const Tetrahedron& tetrahedron : tetrahedra_) {
+    for (const int node : tetrahedron) joined_to[root_of(node)] = root_of(tetrahedron[0]);
+  }
+  for (int node = 0; node < static_cast<int>(joined_to.size()); ++node) pieces_ += joined_to[node] == node ? 1 : 0;
+  std::vector<std::array<double, 3>> places;
+  for (const scene::Point& node_m : nodes_m_) places.push_back({node_m.x(), node_m.y(), node_m.z()});
+  std::ranges::sort(places);
+  coincident_nodes_ = static_cast<int>(std::ranges::unique(places).size());
+}
+
 double TetrahedralMesh::volume_m3() const noexcept {
   return std::accumulate(volumes_m3_.begin(), volumes_m3_.end(), 0.0);
 }
@@ -153,6 +173,15 @@ double TetrahedralMesh::mean_edge_m() const noexcept {
     for (std::size_t a = 0; a < 3; ++a) sum_m += (nodes_m_[t[a]] - nodes_m_[t[(a + 1) % 3]]).norm();
   }
   return sum_m / (3 * static_cast<double>(triangles_.size()));
+}
+
+std::string pieces_in_words(const TetrahedralMesh& mesh) {
+  if (mesh.pieces() == 1) return {};
+  const auto coincident = static_cast<std::uint64_t>(mesh.coincident_nodes());
+  return ", in " + std::to_string(mesh.pieces()) + " pieces" +
+         (coincident == 0
+              ? ""
+              : ", which are not joined where " + text::counted(coincident, "node lies", "nodes lie") + " on others");
 }
 
 std::vector<int> nodes_below(const TetrahedralMesh& mesh, const scene::Point& through_m, const scene::Point& normal) {

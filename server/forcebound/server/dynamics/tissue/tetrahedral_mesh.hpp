@@ -43,10 +43,16 @@ class TetrahedralMesh {
   [[nodiscard]] int turned_tetrahedra() const noexcept { return turned_tetrahedra_; }
   [[nodiscard]] int unused_nodes() const noexcept { return unused_nodes_; }
 
+  /// Sets of tetrahedra that share no node with each other: what is one body has one.
+  [[nodiscard]] int pieces() const noexcept { return pieces_; }
+  /// Nodes exactly where one before them is: two pieces that touch so are not joined.
+  [[nodiscard]] int coincident_nodes() const noexcept { return coincident_nodes_; }
+
  private:
   void take_nodes(const TetrahedralSoup& soup, const scene::MeshPlacement& placement);
   void take_tetrahedra(const TetrahedralSoup& soup, const std::vector<int>& index);
   void find_surface(const TetrahedralSoup& soup);
+  void count_pieces();
 
   std::string name_;
   std::vector<scene::Point> nodes_m_;
@@ -56,7 +62,13 @@ class TetrahedralMesh {
   std::vector<int> surface_nodes_;
   int turned_tetrahedra_ = 0;
   int unused_nodes_ = 0;
+  int pieces_ = 0;
+  int coincident_nodes_ = 0;
 };
+
+/// Words for a mesh in several pieces, such as ", in 2 pieces, which are not joined where 16 nodes lie on others";
+/// empty: it is in one.
+[[nodiscard]] std::string pieces_in_words(const TetrahedralMesh& mesh);
 
 /// The nodes on or below the plane through a point; `normal` (any length but zero) points up.
 [[nodiscard]] std::vector<int> nodes_below(const TetrahedralMesh& mesh, const scene::Point& through_m,

@@ -142,7 +142,7 @@ scene::DynamicModelFacts TissueDynamicModel::facts() const {
   facts.lines = {
       std::to_string(mesh.nodes_m().size()) + " nodes, " + std::to_string(mesh.tetrahedra().size()) + " tetrahedra, " +
           std::to_string(mesh.surface_nodes().size()) + " nodes on the surface, " +
-          std::to_string(std::ranges::count(held, true)) + " held",
+          std::to_string(std::ranges::count(held, true)) + " held" + pieces_in_words(mesh),
       "elastic: Young's modulus " + to_text(material_.young_Pa) + " Pa, Poisson's ratio " + to_text(material_.poisson)};
   if (linear != nullptr) {
     describe(*linear, held, facts);

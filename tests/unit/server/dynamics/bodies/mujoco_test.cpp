@@ -39,6 +39,19 @@ TEST(CompileMjcf, NamesFileAndLine) {
   EXPECT_THAT(error_of([] { return load_mjcf("/no/such.xml"); }), StartsWith("/no/such.xml: "));
 }
 
+// An integrator and an element of MuJoCo 3.
+TEST(CompileMjcf, NamesItsVersionWhereTheFileMayBeOfANewerOne) {
+  const std::string version = std::string("; read by MuJoCo ") + mj_versionString() + ", which knows no words of newer";
+  for (const char* newer :
+       {R"(<option integrator="implicitfast"/>)", R"(<deformable/>)", R"(<option autoreset="a"/>)"}) {
+    const std::string text = std::string("<mujoco>") + newer + "</mujoco>";
+    EXPECT_THAT(error_of([&] { return compile_mjcf(text, "new.xml"); }),
+                AllOf(StartsWith("new.xml: XML Error: "), HasSubstr(version)));
+  }
+  EXPECT_THAT(error_of([] { return compile_mjcf(R"(<mujoco><option timestep="x"/></mujoco>)", "a.xml"); }),
+              testing::Not(HasSubstr("newer")));
+}
+
 TEST(CompileMjcf, RefusesWhatWouldEndMuJoCoOrItsFirstStep) {
   const auto refusal = [](const std::string& option) -> std::string {
     try {

@@ -6,6 +6,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "forcebound/server/dynamics/tissue/tetrahedral_mesh.hpp"
 #include "tests/tools/data/recorded_data.hpp"
 
 namespace forcebound::server {
@@ -65,6 +66,56 @@ TEST(GmshFile, ReadsElementsBeforeNodesAndLinesFromWindowsWithTabs) {
 TEST(GmshFile, PassesOverOtherSectionsAndElements) {
   expect_unit_tetrahedron(read(kOldFormat + "$PhysicalNames\n1\n3 1 \"liver\"\n$EndPhysicalNames\n" + kFourNodes +
                                "$Elements\n3\n1 15 2 0 1 1\n2 2 2 0 1 1 2 3\n3 4 0 1 2 3 4\n$EndElements\n"));
+}
+
+TEST(GmshFile, ReadsNegativeTagsOfEntitiesPhysicalGroupsAndPartitions) {
+  // Gmsh's manual: ghost cells have negative partitions; the sign of a physical group or entity is its orientation.
+  for (const char* tags : {"2 -3 7", "2 3 -7", "5 1 1 2 1 -2", "0", "3 -1 -1 -1"}) {
+    SCOPED_TRACE(tags);
+    expect_unit_tetrahedron(read(kOldFormat + kFourNodes + "$Elements\n1\n1 4 " + tags + " 1 2 3 4\n$EndElements\n"));
+  }
+  expect_unit_tetrahedron(
+      read("$NOD\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$ENDNOD\n$ELM\n1\n1 4 -1 -1 4 1 2 3 4\n$ENDELM\n"));
+  expect_unit_tetrahedron(read(kNewFormat +
+                               "$Nodes\n1 4 1 4\n3 -2 0 4\n1\n2\n3\n4\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n$EndNodes\n"
+                               "$Elements\n1 1 1 1\n3 -2 4 1\n1 1 2 3 4\n$EndElements\n"));
+}
+
+TEST(GmshFile, RefusesTagsThatAreNoNumbersAndOtherNegativeNumbers) {
+  const std::string expected = ": expected element 1 of 1: number, type, number of tags, tags, nodes";
+  for (const char* row : {"1 4 2 0 x 1 2 3 4", "1 4 2 0 1.5 1 2 3 4", "1 4 -2 0 1 1 2 3 4", "1 -4 2 0 1 1 2 3 4",
+                          "1 4 2 0 1 1 2 3 -4", "1 4 2 0"}) {
+    EXPECT_EQ(refusal(kOldFormat + kFourNodes + "$Elements\n1\n" + row + "\n$EndElements\n"),
+              "part.msh:13: '" + std::string(row) + "'" + expected);
+  }
+}
+
+TEST(GmshFile, ReadsTheFilesWithNegativeTagsThatOthersReported) {
+  const auto folder = recorded_data("reports");
+  if (!folder) GTEST_SKIP() << "no reports in FORCEBOUND_DATA";
+  for (const char* name : {"ghosts.msh", "negative_physical.msh", "v41_negative_entity.msh"}) {
+    const TetrahedralSoup soup = load_gmsh((*folder / name).string());
+    EXPECT_EQ(soup.nodes.size(), 48U) << name;
+    EXPECT_EQ(soup.tetrahedra.size(), 108U) << name;
+  }
+}
+
+TEST(TetrahedralMesh, InTwoPiecesThatTouchSaysSo) {
+  const std::string apart =
+      "$Nodes\n8\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 0 0 0\n6 1 0 0\n7 0 1 0\n8 0 0 -1\n$EndNodes\n"
+      "$Elements\n2\n1 4 0 1 2 3 4\n2 4 0 5 6 7 8\n$EndElements\n";
+  const TetrahedralMesh two(read(kOldFormat + apart));
+  EXPECT_EQ(two.pieces(), 2);
+  EXPECT_EQ(two.coincident_nodes(), 3);
+  EXPECT_EQ(pieces_in_words(two), ", in 2 pieces, which are not joined where 3 nodes lie on others");
+  const TetrahedralMesh one(read(kOldFormat + kFourNodes + kOneTetrahedron));
+  EXPECT_EQ(one.pieces(), 1);
+  EXPECT_EQ(pieces_in_words(one), "");
+  if (const auto folder = recorded_data("reports")) {
+    const TetrahedralMesh reported(load_gmsh((*folder / "dup_nodes.msh").string()));
+    EXPECT_EQ(reported.pieces(), 2);
+    EXPECT_GT(reported.coincident_nodes(), 0);
+  }
 }
 
 TEST(GmshFile, RefusesWhatNoSectionBeginsWith) {
