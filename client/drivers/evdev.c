@@ -20,6 +20,7 @@
 
 #include "evdev_events.h"
 #include "pause.h"
+#include "setting_number.h"
 
 enum { kDevicesMost = 64, kPathBytes = 512 };
 static const char kFolder[] = "/dev/input";
@@ -121,9 +122,8 @@ static int open_any(forcebound_device* device, found* found) {
 /* Takes a setting that is a number from 0 to `most`, and not zero unless it may be. */
 static int take_number(const forcebound_setting* setting, const char* key, double most, int may_be_zero,
                        double* number) {
-  char* end = NULL;
-  const double value = strtod(setting->value, &end);
-  if (strcmp(setting->key, key) != 0 || end == setting->value || *end != '\0') return 0;
+  double value = 0;
+  if (strcmp(setting->key, key) != 0 || !setting_number(setting->value, &value)) return 0;
   if (!(value >= 0 && value <= most) || (value == 0 && !may_be_zero)) return 0;
   *number = value;
   return 1;

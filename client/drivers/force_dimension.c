@@ -26,6 +26,7 @@
 
 #include "mailbox.h"
 #include "pause.h"
+#include "setting_number.h"
 
 enum { kReadingNumbers = 6, kCommandNumbers = 4, kDhdTimeGuard = 1 };
 /* 20 ms in the 125 us of dhdSetWatchdog, which not all devices have: twice as long as a force lasts here. */
@@ -150,9 +151,8 @@ static int fd_open(const forcebound_setting* settings, size_t count, forcebound_
   for (i = 0; i < count; ++i) {
     const char* const key = settings[i].key;
     const char* const value = settings[i].value;
-    char* end = NULL;
-    const double number = strtod(value, &end);
-    const int is_number = end != value && *end == '\0';
+    double number = 0;
+    const int is_number = setting_number(value, &number);
     if (strcmp(key, "library") == 0 && *value != '\0') {
       path = value;
     } else if (strcmp(key, "number") == 0 && is_number && number >= 0 && number < 16 && number == (int)number) {

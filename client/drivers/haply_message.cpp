@@ -1,8 +1,10 @@
 #include "haply_message.hpp"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
-#include <cstdio>
+#include <cstddef>
 #include <nlohmann/json.hpp>
 
 namespace forcebound::haply {
@@ -146,17 +148,22 @@ Answer parse_state(std::string_view text, const std::string& device_id, State& s
 }
 
 void write_command(const Command& command, std::string& text) {
-  constexpr std::size_t kBytesMost = 512;
-  text.resize(kBytesMost);
-  const int length = std::snprintf(
-      text.data(), text.size(),
-      R"({%s"inverse3":[{"device_id":"%.*s","commands":{"set_cursor_force":{"%s":{"x":%.9g,"y":%.9g,"z":%.9g}}}}]})",
-      command.introduces ? R"("session":{"configure":{"profile":{"name":"forcebound"},"basis":{"permutation":"XYZ"}}},)"
-                         : "",
-      static_cast<int>(command.device_id.size()), command.device_id.data(),
-      command.spelling == Spelling::values ? "values" : "vector", command.force_N[0], command.force_N[1],
-      command.force_N[2]);
-  text.resize(std::min(kBytesMost - 1, static_cast<std::size_t>(std::max(0, length))));
+  text = "{";
+  if (command.introduces) {
+    text += R"("session":{"configure":{"profile":{"name":"forcebound"},"basis":{"permutation":"XYZ"}}},)";
+  }
+  text.append(R"("inverse3":[{"device_id":")").append(command.device_id);
+  text.append(R"(","commands":{"set_cursor_force":{")");
+  text.append(command.spelling == Spelling::values ? "values" : "vector");
+  const char* before = R"(":{"x":)";
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    std::array<char, 32> digits{};
+    const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), command.force_N[axis],
+                                   std::chars_format::general, 9);
+    text.append(before).append(digits.data(), end.ptr);
+    before = axis == 0 ? R"(,"y":)" : R"(,"z":)";
+  }
+  text.append("}}}}]}");
 }
 
 }  // namespace forcebound::haply

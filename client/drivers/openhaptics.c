@@ -21,6 +21,7 @@
 #include <string.h>
 
 #include "openhaptics_rounds.h"
+#include "setting_number.h"
 
 /* What one half asks of the other. */
 enum { kWishOpen = 'o', kWishStart = 's', kWishClose = 'c' };
@@ -136,15 +137,15 @@ static int take_settings(forcebound_device* device, const forcebound_setting* se
   for (i = 0; i < count; ++i) {
     const char* const key = settings[i].key;
     const char* const value = settings[i].value;
-    char* end = NULL;
-    const double number = strtod(value, &end);
+    double number = 0;
+    const int is_number = setting_number(value, &number);
     if (strcmp(key, "library") == 0 && *value != '\0' && strlen(value) < sizeof device->library) {
       strcpy(device->library, value);
     } else if (strcmp(key, "process") == 0 && (strcmp(value, "own") == 0 || strcmp(value, "same") == 0)) {
       *own = value[0] == 'o';
     } else if (strcmp(key, "name") == 0 && *value != '\0' && strlen(value) < sizeof device->wanted) {
       strcpy(device->wanted, value);
-    } else if (strcmp(key, "force_N_max") == 0 && end != value && *end == '\0' && number > 0 && number <= 100) {
+    } else if (strcmp(key, "force_N_max") == 0 && is_number && number > 0 && number <= 100) {
       device->force_N_max = number;
     } else {
       snprintf(error, error_bytes,

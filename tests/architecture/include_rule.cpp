@@ -169,6 +169,7 @@ const std::vector<Privilege>& privileges() {
        shells_and(R"(common/forcebound/time/real_time\.cpp|common/forcebound/record/idle_thread\.hpp|)"
                   R"(client/forcebound/client/rendering/scene_builder\.hpp|)"
                   R"(client/forcebound/client/security/handshaker\.hpp|common/forcebound/page/page_server\.cpp|)"
+                  R"(common/forcebound/text/classic_locale\.cpp|)"
                   R"(client/forcebound/client/page/live_page\.hpp|server/forcebound/server/session/shared_limits\.hpp|)"
                   R"(server/forcebound/server/environment/scene_library\.cpp|)"
                   R"(server/forcebound/server/security/moved_keys\.hpp|)" +
@@ -177,7 +178,8 @@ const std::vector<Privilege>& privileges() {
        "client's scene_builder.hpp and handshaker.hpp, whose counts "
        "and texts another thread reads, the client's live_page.hpp, which two threads use, "
        "the server's shared_limits.hpp, moved_keys.hpp and scene_library.cpp, which all workers share, "
-       "common/forcebound/page/page_server.cpp, common/forcebound/child and the shells"},
+       "common/forcebound/page/page_server.cpp, common/forcebound/text/classic_locale.cpp, since the locale is of all "
+       "threads, common/forcebound/child and the shells"},
       {"sockets", std::regex(R"(#include\s*<(sys/socket|sys/epoll|poll|netdb|netinet/.*)(\.h)?>)"),
        shells_and("common/forcebound/net/(internal/)?udp.*|" + kChild),
        "common/forcebound/net/udp*, common/forcebound/child and the shells"},
@@ -196,6 +198,16 @@ const std::vector<Privilege>& privileges() {
        shells_and(R"(common/forcebound/security/random\.[ch]pp|common/forcebound/page/listen_address\.cpp)"),
        "common/forcebound/security/random, which gives keys, common/forcebound/page/listen_address.cpp, which gives "
        "tokens, and the shells, which draw a seed once and print it"},
+      {"numbers by the process's locale",
+       std::regex(R"(std::o?stringstream\b|\b(setlocale|uselocale|imbue)\b|std::locale::global|)"
+                  R"(\b(v?sscanf|fscanf|ato[fil]l?|strto(d|f|ld)|std::sto(d|f|ld))\s*\(|)"
+                  R"((^|[^.])%[-+ #0]*[0-9*]*(\.[0-9*]+)?[lL]?[efgaEFGA]\b|\{:[^{}]*L\}|)"
+                  R"(std::to_string\([^()]*_(s|ms|us|ns|m|mm|N|J|Hz|kg|rad|N_per_m|N_s_per_m)\))"),
+       std::regex(R"(common/forcebound/(control/classic_text\.hpp|text/classic_locale\.cpp|program/command_line\.cpp)|)"
+                  R"(tests/(?!tools/).*)"),
+       "common/forcebound/control/classic_text.hpp and common/forcebound/text/classic_locale.cpp, which take the "
+       "classic "
+       "one, common/forcebound/program/command_line.cpp, which writes no number, and the tests"},
       {"libsodium", std::regex(R"(#include\s*[<"]sodium)"),
        std::regex(R"(common/forcebound/security/.*\.cpp|tests/unit/security/.*)"),
        "the .cpp files of common/forcebound/security, and their tests"},

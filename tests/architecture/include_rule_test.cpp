@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <set>
 
 #include "tests/support/page.hpp"
 #include "tests/support/source_folder.hpp"
@@ -121,6 +122,22 @@ TEST(IncludeRule, KeepsWhatTheLabMeasuresApartFromItsCommandsAndFigures) {
       HasSubstr("must not include"));
 }
 
+TEST(IncludeRule, KeepsNumbersFromTheProcesssLocale) {
+  const char* const anywhere = "common/forcebound/record/run_info.cpp";
+  for (const char* const code :
+       {"std::ostringstream text;", "std::setlocale(LC_ALL, \"\");", "out.imbue(std::locale());",
+        "double x = std::strtod(text, nullptr);", "double x = std::stod(text);", "snprintf(text, 9, \"%.17g\", value);",
+        "printf(\"at %5.1f mm\\n\", x_mm);", "fmt::format(\"{:.3L}\", x);", "std::to_string(facts.period_s)"}) {
+    EXPECT_THAT(only_violation(anywhere, code), HasSubstr("numbers by the process's locale belong only to ")) << code;
+  }
+  for (const char* const code :
+       {"control::ClassicText text;", "snprintf(text, 9, \"%s: 5 %% of %d\", name, count);", "100 % full",
+        "fmt::format(\"{:.3f} {}\", x, Length);", "std::to_string(row)", "std::istringstream lines(text);"}) {
+    EXPECT_THAT(violations(anywhere, code), IsEmpty()) << code;
+  }
+  EXPECT_THAT(violations("client/drivers/pen.c", "double x = strtod(text, &end);"), SizeIs(1));
+}
+
 TEST(IncludeRule, IgnoresComments) {
   EXPECT_THAT(violations("common/forcebound/control/law.hpp", "// not std::thread, not steady_clock\n"), IsEmpty());
 }
@@ -143,7 +160,7 @@ TEST(SourceTree, ObeysTheIncludeRule) {
   for (const char* side : {"common", "client", "server", "tests"}) {
     for (const auto& entry : fs::recursive_directory_iterator(root / side)) {
       const fs::path& path = entry.path();
-      if (path.extension() != ".cpp" && path.extension() != ".hpp") continue;
+      if (!std::set<fs::path>{".cpp", ".hpp", ".c", ".h"}.contains(path.extension())) continue;
       ++files;
       std::ifstream stream(path);
       const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};

@@ -85,7 +85,13 @@ Process::Process(const std::filesystem::path& program, const std::vector<std::st
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
   for (const std::string& argument : arguments) command_.append(" '").append(argument).append("'");
-  const int error = posix_spawn(&pid_, words.front().c_str(), &files.actions, nullptr, argv.data(), environ);
+  std::vector<char*> environment;
+  for (char** entry = environ; *entry != nullptr; ++entry) environment.push_back(*entry);
+  const char* const preloaded = std::getenv("FORCEBOUND_TEST_PRELOAD");
+  std::string preload = std::string("LD_PRELOAD=") + (preloaded != nullptr ? preloaded : "");
+  if (preloaded != nullptr) environment.push_back(preload.data());
+  environment.push_back(nullptr);
+  const int error = posix_spawn(&pid_, words.front().c_str(), &files.actions, nullptr, argv.data(), environment.data());
   if (input == Input::pipe) ::close(pipe[0]);
   input_ = pipe[1];
   if (error != 0) fail(error, command_);

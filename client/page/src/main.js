@@ -239,7 +239,7 @@ function showLink(state) {
   setText(byId("link"), state.open ? "Connected" : state.ever ? "Not connected" : "Connecting");
   byId("lost").hidden = state.open;
   if (state.open || !state.lostSince) return;
-  const since = state.lostSince.toLocaleTimeString();
+  const since = state.lostSince.toTimeString().slice(0, 8);
   const why = state.reason ? ` (${state.reason})` : "";
   const tell = () => {
     const ago = duration((Date.now() - state.lostSince.getTime()) / 1000);

@@ -1,12 +1,12 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <sstream>
 #include <stdexcept>
 
 #include "forcebound/baselines/baselines.hpp"
 #include "forcebound/baselines/device_limits.hpp"
 #include "forcebound/baselines/two_port.hpp"
+#include "forcebound/control/classic_text.hpp"
 #include "forcebound/control/energy_sum.hpp"
 
 namespace forcebound::baselines {
@@ -190,7 +190,7 @@ std::unique_ptr<control::PassivityLaw> make_set_position_modulation(const contro
   const double stiffness_N_per_m = options.parameters.at("spring_N_per_m");
   const double left_N_s_per_m = least_damping(facts) - stiffness_N_per_m * facts.period_s / 2;
   if (left_N_s_per_m < 0) {
-    std::ostringstream text;
+    control::ClassicText text;
     text << "law 'pspm': spring_N_per_m must be at most 2b/T = " << hold_limit_N_per_m(facts) << " N/m on device '"
          << facts.name << "' (b " << least_damping(facts) << " N s/m, T " << facts.period_s << " s), got "
          << stiffness_N_per_m;

@@ -3,12 +3,12 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 
 #include "forcebound/baselines/baselines.hpp"
 #include "forcebound/baselines/device_limits.hpp"
+#include "forcebound/control/classic_text.hpp"
 #include "forcebound/control/held_force.hpp"
 
 namespace forcebound::baselines {
@@ -188,7 +188,7 @@ std::unique_ptr<control::PassivityLaw> make(const control::DeviceFacts& facts, c
   auto law = std::make_unique<VirtualCoupling>(facts, coupling);
   const double needed = coupling.stiffness_N_per_m * facts.period_s / 2 + coupling.damping_N_s_per_m;
   if (least_damping(facts) > needed) return law;
-  std::ostringstream text;
+  control::ClassicText text;
   text << "has a damping of " << least_damping(facts) << " N s/m; a coupling of " << coupling.stiffness_N_per_m
        << " N/m and " << coupling.damping_N_s_per_m << " N s/m at a period of " << facts.period_s
        << " s needs more than Kc T/2 + |Bc| = " << needed << " N s/m";

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <optional>
-#include <sstream>
 #include <utility>
 
 #include "forcebound/config/config_error.hpp"
+#include "forcebound/control/classic_text.hpp"
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/text/printable.hpp"
 
@@ -34,7 +34,7 @@ Node converted(const toml::node& node) {
   } else if (const auto* const flag = node.as_boolean()) {
     made.value = flag->get();
   } else {
-    std::ostringstream text;
+    control::ClassicText text;
     node.visit([&text](const auto& time) { text << time; });
     made.value = Node::Time{text.str()};
   }
@@ -148,7 +148,7 @@ void check_size(std::string_view text) {
 
 std::string as_text(const std::string& text) {
   if (text.find_first_of("'\n\r\t") == std::string::npos) return "'" + text + "'";
-  std::ostringstream quoted;
+  control::ClassicText quoted;
   quoted << toml::value<std::string>(text);
   return quoted.str();
 }

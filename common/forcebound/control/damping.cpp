@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
 #include <stdexcept>
+
+#include "forcebound/control/classic_text.hpp"
 
 namespace forcebound::control {
 namespace {
@@ -18,7 +19,7 @@ constexpr double kDampingLeast = 1e-6;
 constexpr double kMobilityLeast = 1e-6;
 
 [[noreturn]] void refuse(const Matrix& b, const char* what) {
-  std::ostringstream text;
+  ClassicText text;
   text << "damping must be symmetric, positive definite and finite, with 1 to " << kJointsMax << " rows: " << what
        << ", got [" << b.format(Eigen::IOFormat(Eigen::StreamPrecision, Eigen::DontAlignCols, ",", ";")) << "]";
   throw std::invalid_argument(text.str());

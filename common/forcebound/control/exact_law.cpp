@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 
 #include "forcebound/control/assertion.hpp"
+#include "forcebound/control/classic_text.hpp"
 #include "forcebound/control/damping.hpp"
 #include "forcebound/control/diagonal_bound.hpp"
 
@@ -23,15 +23,13 @@ constexpr double kStepRounding = 1e-9;
 
 template <typename Value>
 [[noreturn]] void refuse(const DeviceFacts& facts, const char* what, const Value& got) {
-  std::ostringstream text;
-  text << "device '" << facts.name << "': " << what << ", got " << got;
-  throw std::invalid_argument(text.str());
+  throw std::invalid_argument(joined("device '", facts.name, "': ", what, ", got ", got));
 }
 
 void check(const Uncertainty& uncertainty, const DeviceFacts& facts) {
   const auto bracket = [&](const char* what, const Bracket& b) {
     if (std::isfinite(b.least) && std::isfinite(b.most) && b.least <= b.most) return;
-    refuse(facts, what, std::to_string(b.least) + " to " + std::to_string(b.most));
+    refuse(facts, what, joined(b.least, " to ", b.most));
   };
   const auto share = [&](const char* what, double value) {
     if (!(value >= 0) || value >= 1) refuse(facts, what, value);

@@ -4,6 +4,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "forcebound/control/classic_text.hpp"
+
 namespace forcebound::control {
 
 HeldForce::HeldForce(int degrees_of_freedom, double period_s) : period_s_(period_s) {
@@ -12,7 +14,7 @@ HeldForce::HeldForce(int degrees_of_freedom, double period_s) : period_s_(period
                                 std::to_string(degrees_of_freedom));
   }
   if (!(period_s > 0) || !std::isfinite(period_s)) {
-    throw std::invalid_argument("period must be > 0 s, got " + std::to_string(period_s));
+    throw std::invalid_argument(joined("period must be > 0 s, got ", period_s));
   }
   force_ = Vector::Zero(degrees_of_freedom);
 }

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
+
+#include "forcebound/control/classic_text.hpp"
 
 namespace forcebound::control {
 
@@ -12,7 +13,7 @@ bool LawParameter::accepts(double value) const {
 }
 
 std::string LawParameter::accepted() const {
-  std::ostringstream text;
+  ClassicText text;
   if (!choices.empty()) {
     for (std::size_t i = 0; i < choices.size(); ++i) text << (i > 0 ? " or " : "") << choices[i];
   } else if (most < std::numeric_limits<double>::max()) {

@@ -1,10 +1,10 @@
 #include "forcebound/control/law_registry.hpp"
 
 #include <algorithm>
-#include <sstream>
 #include <stdexcept>
 #include <utility>
 
+#include "forcebound/control/classic_text.hpp"
 #include "forcebound/control/exact_law.hpp"
 #include "forcebound/control/less_conservative_law.hpp"
 #include "forcebound/control/more_conservative_law.hpp"
@@ -101,9 +101,8 @@ LawParameters LawRegistry::parameters(std::string_view name, const DeviceFacts& 
     const auto parameter = std::ranges::find(law.parameters, key, &LawParameter::name);
     if (parameter == law.parameters.end()) refuse_unknown(law, key);
     if (parameter->accepts(value)) continue;
-    std::ostringstream text;
-    text << "law '" << law.name << "': " << key << " must be " << parameter->accepted() << ", got " << value;
-    throw std::invalid_argument(text.str());
+    throw std::invalid_argument(
+        joined("law '", law.name, "': ", key, " must be ", parameter->accepted(), ", got ", value));
   }
   for (const LawParameter& parameter : law.parameters) {
     if (!all.contains(parameter.name)) all[parameter.name] = parameter.standard(facts);
@@ -172,11 +171,7 @@ std::string LawRegistry::help(std::string_view name) const {
 std::string LawRegistry::help(std::string_view name, const DeviceFacts& facts) const {
   std::string text = help(name);
   std::vector<std::pair<std::string, std::string>> rows;
-  for (const auto& [key, value] : parameters(name, facts)) {
-    std::ostringstream number;
-    number << value;
-    rows.emplace_back(key, number.str());
-  }
+  for (const auto& [key, value] : parameters(name, facts)) rows.emplace_back(key, joined(value));
   if (!rows.empty()) text += "\nStandard values on '" + facts.name + "':\n" + columns(rows);
   const std::string refused = refusal(name, facts);
   return refused.empty() ? text : text + "\nBut it refuses: " + refused + "\n";

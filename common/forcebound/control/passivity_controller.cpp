@@ -3,12 +3,12 @@
 #include <Eigen/LU>
 #include <cmath>
 #include <limits>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
 #include "forcebound/control/assertion.hpp"
+#include "forcebound/control/classic_text.hpp"
 
 namespace forcebound::control {
 namespace {
@@ -54,17 +54,16 @@ PassivityController::PassivityController(const DeviceFacts& facts, std::unique_p
                                 " degrees of freedom; give the motors' steps as a torque_share");
   }
   if (!(actuator_step_.array() >= 0).all()) {
-    std::ostringstream text;
-    text << "device '" << facts.name << "': actuator step must be >= 0, got " << actuator_step_.transpose();
-    throw std::invalid_argument(text.str());
+    throw std::invalid_argument(
+        joined("device '", facts.name, "': actuator step must be >= 0, got ", actuator_step_.transpose()));
   }
   if (!(facts.force_N_max >= 0)) {
-    throw std::invalid_argument("device '" + facts.name + "': largest force must be >= 0 N, got " +
-                                std::to_string(facts.force_N_max));
+    throw std::invalid_argument(
+        joined("device '", facts.name, "': largest force must be >= 0 N, got ", facts.force_N_max));
   }
   if (!(facts.torque_N_m_max >= 0)) {
-    throw std::invalid_argument("device '" + facts.name + "': largest torque must be >= 0 N m, got " +
-                                std::to_string(facts.torque_N_m_max));
+    throw std::invalid_argument(
+        joined("device '", facts.name, "': largest torque must be >= 0 N m, got ", facts.torque_N_m_max));
   }
 }
 

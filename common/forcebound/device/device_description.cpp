@@ -1,7 +1,6 @@
 #include "forcebound/device/device_description.hpp"
 
-#include <sstream>
-
+#include "forcebound/control/classic_text.hpp"
 #include "forcebound/device/haptic_device.hpp"
 #include "forcebound/text/terminal.hpp"
 
@@ -10,7 +9,7 @@ namespace {
 
 // Only the diagonal, if the matrix is diagonal.
 std::string written(const Matrix& matrix) {
-  std::ostringstream text;
+  control::ClassicText text;
   const Eigen::IOFormat one_line(6, Eigen::DontAlignCols, " ", "; ", "", "", "[", "]");
   if (matrix.isDiagonal(0)) {
     text << Vector(matrix.diagonal()).transpose().format(one_line);
@@ -22,7 +21,7 @@ std::string written(const Matrix& matrix) {
 
 /// "; may be off: ..." by all that is not known exactly; empty if all is.
 std::string uncertainty_text(const control::Uncertainty& uncertainty) {
-  std::ostringstream out;
+  control::ClassicText out;
   const auto bracket = [&](const char* what, const control::Bracket& b) {
     if (b != control::Bracket{}) out << ", " << what << " " << b.least << " to " << b.most << " s later";
   };
@@ -44,7 +43,7 @@ std::string uncertainty_text(const control::Uncertainty& uncertainty) {
 /// "torque <= 0.2 N m, " of a device that shows one; empty of any other.
 std::string torque_text(const control::DeviceFacts& facts) {
   if (facts.rotations == 0) return {};
-  std::ostringstream out;
+  control::ClassicText out;
   out << "torque <= " << facts.torque_N_m_max << " N m, ";
   return out.str();
 }
@@ -52,7 +51,7 @@ std::string torque_text(const control::DeviceFacts& facts) {
 /// The description around the inertia.
 std::string described(const control::DeviceFacts& facts, const std::string& mechanism, const std::string& inertia) {
   const bool joints = !facts.cartesian;
-  std::ostringstream out;
+  control::ClassicText out;
   out << facts.name << ": "
       << text::counted(static_cast<std::uint64_t>(facts.degrees_of_freedom()), "degree of freedom",
                        "degrees of freedom")

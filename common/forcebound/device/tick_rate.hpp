@@ -1,8 +1,8 @@
 #pragma once
 
-#include <sstream>
 #include <stdexcept>
 
+#include "forcebound/control/classic_text.hpp"
 #include "forcebound/control/device_facts.hpp"
 
 namespace forcebound::device {
@@ -20,13 +20,12 @@ inline constexpr double kTickRateMost_Hz = 4000;
 [[nodiscard]] inline control::DeviceFacts at_tick_rate(control::DeviceFacts facts, double rate_Hz) {
   if (rate_Hz == 0) return facts;
   if (!(rate_Hz >= kTickRateLeast_Hz && rate_Hz <= kTickRateMost_Hz)) {
-    std::ostringstream text;
-    text << "ticks per second must be from " << kTickRateLeast_Hz << " to " << kTickRateMost_Hz << ", got " << rate_Hz;
-    throw std::invalid_argument(text.str());
+    throw std::invalid_argument(control::joined("ticks per second must be from ", kTickRateLeast_Hz, " to ",
+                                                kTickRateMost_Hz, ", got ", rate_Hz));
   }
   facts.period_s = 1 / rate_Hz;
   if (facts.releases && facts.hold_s_max < facts.period_s) {
-    std::ostringstream text;
+    control::ClassicText text;
     text << "device '" << facts.name << "' holds a force for " << facts.hold_s_max * 1e3 << " ms, less than a tick of "
          << facts.period_s * 1e3 << " ms: at least " << 1 / facts.hold_s_max << " ticks per second are accepted, got "
          << rate_Hz;

@@ -1,10 +1,10 @@
 #include "forcebound/driver/driver_facts.hpp"
 
 #include <cmath>
-#include <sstream>
 #include <stdexcept>
 #include <string_view>
 
+#include "forcebound/control/classic_text.hpp"
 #include "forcebound/control/damping.hpp"
 #include "forcebound/text/printable.hpp"
 
@@ -24,16 +24,13 @@ class Checks {
   explicit Checks(std::string driver) : driver_(std::move(driver)) {}
 
   [[noreturn]] void refuse(std::string_view what, std::string_view accepted, double got) const {
-    std::ostringstream text;
-    text << "driver '" << driver_ << "': its device's " << what << " must be " << accepted << ", got " << got;
-    throw std::runtime_error(text.str());
+    throw std::runtime_error(
+        control::joined("driver '", driver_, "': its device's ", what, " must be ", accepted, ", got ", got));
   }
 
   double number(std::string_view what, double value, double least, double most) const {
     if (value >= least && value <= most) return value;
-    std::ostringstream accepted;
-    accepted << "from " << least << " to " << most;
-    refuse(what, accepted.str(), value);
+    refuse(what, control::joined("from ", least, " to ", most), value);
   }
 
   /// `dof` numbers >= 0.

@@ -11,6 +11,7 @@
 
 #include "forcebound/program/log.hpp"
 #include "forcebound/program/option_file.hpp"
+#include "forcebound/text/classic_locale.hpp"
 #include "forcebound/text/file.hpp"
 #include "forcebound/text/names.hpp"
 #include "forcebound/text/numbers.hpp"
@@ -133,6 +134,7 @@ void parse(CLI::App& app, int argc, const char* const* argv) {
     note_log_form(words);
     // CLI11 takes the last word first.
     std::ranges::reverse(words);
+    const text::ClassicLocale with_points;
     app.parse(std::move(words));
   } catch (const CLI::Success& asked) {
     std::ostringstream out;

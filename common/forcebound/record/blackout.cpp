@@ -1,6 +1,6 @@
 #include "forcebound/record/blackout.hpp"
 
-#include <cstdio>
+#include "forcebound/text/numbers.hpp"
 
 namespace forcebound::record {
 namespace {
@@ -37,9 +37,8 @@ std::string_view what_died(const Blackout& blackout) noexcept {
 }
 
 std::string words_of(const Blackout& blackout, const std::string& server) {
-  char duration[32];
-  std::snprintf(duration, sizeof duration, "%.2f s", time::to_seconds(blackout.duration));
-  std::string text = "nothing came back from " + server + " for " + duration;
+  std::string text =
+      "nothing came back from " + server + " for " + text::fixed(time::to_seconds(blackout.duration), 2) + " s";
   text += blackout.over ? ": " : " until the end: ";
   if (blackout.counted) return text + counts_in_words(blackout);
   if (blackout.server_left) return text + "the server had ended the session";

@@ -3,10 +3,12 @@
  *
  *   axes=N          1 to 3, each the same; 1 unless said
  *   fault=KIND      from the 100th reading on: nan, backwards, future, stale, fails, unplugged (for 100 readings);
+ *                   locale: it takes the environment's for all of the process, at once;
  *                   handle: an orientation and a gripper, which cannot be true from then on
  */
 #include <forcebound/driver/forcebound_device.h>
 
+#include <locale.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -74,6 +76,7 @@ static int slider_start(forcebound_device* slider) {
     snprintf(slider->error, sizeof slider->error, "no power");
     return FORCEBOUND_FAILED;
   }
+  if (strcmp(slider->fault, "locale") == 0) setlocale(LC_ALL, "");
   slider->started = 1;
   return FORCEBOUND_OK;
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "forcebound/text/numbers.hpp"
 #include "forcebound/text/terminal.hpp"
 
 namespace forcebound::lab {
@@ -14,13 +15,7 @@ namespace {
 constexpr std::chrono::milliseconds kBetween{200};
 
 std::string in_words(double seconds) {
-  char text[48];
-  if (seconds < 99.5) {
-    std::snprintf(text, sizeof text, "%.0f s", std::ceil(seconds));
-  } else {
-    std::snprintf(text, sizeof text, "%.0f min", std::ceil(seconds / 60));
-  }
-  return text;
+  return seconds < 99.5 ? text::fixed(std::ceil(seconds), 0) + " s" : text::fixed(std::ceil(seconds / 60), 0) + " min";
 }
 
 }  // namespace
@@ -29,9 +24,7 @@ bool Progress::on_terminal() { return isatty(STDERR_FILENO) != 0; }
 
 std::string Progress::line(double share, const std::string& words, double elapsed_s) {
   const double done = std::clamp(share, 0.0, 1.0);
-  char percent[16];
-  std::snprintf(percent, sizeof percent, ", %.0f %%", 100 * done);
-  std::string line = words + percent;
+  std::string line = words + ", " + text::fixed(100 * done, 0) + " %";
   if (done > 0) line += ", about " + in_words(elapsed_s / done * (1 - done)) + " left";
   return line.substr(0, text::kColumns - 1);
 }

@@ -6,11 +6,11 @@
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "forcebound/control/classic_text.hpp"
 #include "forcebound/control/exact_law.hpp"
 #include "forcebound/device/load_device.hpp"
 #include "forcebound/device/simulated/make_operator.hpp"
@@ -210,7 +210,7 @@ std::vector<std::pair<std::string, Case>> grid() {
             for (const double delay_s : {0.0, 5e-3, 50e-3}) {
               experiment.stiffness_N_per_m = stiffness * paper_N_per_m;
               experiment.one_way_delay_s = delay_s;
-              std::ostringstream name;
+              control::ClassicText name;
               name << experiment.device << ", K " << newtons_per_mm(experiment.stiffness_N_per_m)
                    << " N/mm, hand times " << hand << ", damping times " << damping << ", delay " << delay_s * 1e3
                    << " ms" << (measured ? ", late ticks" : "");

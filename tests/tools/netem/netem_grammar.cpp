@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <set>
 #include <stdexcept>
 
 #include "forcebound/text/lines.hpp"
+#include "forcebound/text/numbers.hpp"
 #include "tests/tools/netem/loss_model.hpp"
 #include "tests/tools/netem/netem_parameters.hpp"
 #include "tests/tools/netem/netem_values.hpp"
@@ -218,13 +218,10 @@ NetemParameters parse_netem(std::string_view words) { return Grammar(words).read
 std::vector<std::string> netem_warnings(const NetemParameters& parameters) {
   const auto* random_loss = std::get_if<RandomLoss>(&parameters.loss);
   if (random_loss == nullptr || random_loss->chance.probability == 0 || random_loss->chance.correlation == 0) return {};
-  char text[256];
-  std::snprintf(text, sizeof text,
-                "loss %g%% with correlation %g%% really loses about %.2g%%, since correlating the draws pulls them to "
-                "the middle; for loss in bursts use 'loss gemodel'",
-                percent(random_loss->chance.probability), percent(random_loss->chance.correlation),
-                percent(measured_loss(parameters.loss)));
-  return {text};
+  return {"loss " + text::rounded(percent(random_loss->chance.probability), 6) + "% with correlation " +
+          text::rounded(percent(random_loss->chance.correlation), 6) + "% really loses about " +
+          text::rounded(percent(measured_loss(parameters.loss)), 2) +
+          "%, since correlating the draws pulls them to the middle; for loss in bursts use 'loss gemodel'"};
 }
 
 std::string_view netem_help() noexcept {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <sstream>
 
+#include "forcebound/control/classic_text.hpp"
 #include "forcebound/device/simulated/smooth_step.hpp"
 #include "tests/tools/sim/draw.hpp"
 
@@ -55,7 +55,7 @@ device::Operator::Target RestlessHand::target(double time_s) const noexcept {
 }
 
 std::string RestlessHand::description() const {
-  std::ostringstream text;
+  control::ClassicText text;
   text << "restless:seed=" << settings_.seed << ",mass_kg=" << settings_.hand.mass_kg
        << ",stiffness_N_per_m=" << settings_.hand.stiffness_N_per_m
        << ",damping_N_s_per_m=" << settings_.hand.damping_N_s_per_m << ",reach_m=" << settings_.reach_m;

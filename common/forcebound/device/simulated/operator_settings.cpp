@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <sstream>
 #include <stdexcept>
 
+#include "forcebound/control/classic_text.hpp"
 #include "forcebound/device/simulated/smooth_step.hpp"
 #include "forcebound/text/names.hpp"
 #include "forcebound/text/numbers.hpp"
@@ -13,11 +13,7 @@
 namespace forcebound::device {
 namespace {
 
-std::string written(double value) {
-  std::ostringstream text;
-  text << value;
-  return text.str();
-}
+std::string written(double value) { return control::joined(value); }
 
 }  // namespace
 

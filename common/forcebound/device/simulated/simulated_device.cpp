@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <stdexcept>
 
+#include "forcebound/control/classic_text.hpp"
 #include "forcebound/control/rotation.hpp"
 
 namespace forcebound::device {
@@ -15,7 +15,7 @@ constexpr double kRateMax = 1e5;  // 1/s
 
 std::unique_ptr<const Operator> checked(std::unique_ptr<const Operator> hand, const control::DeviceFacts& facts) {
   if (hand->degrees_of_freedom() == facts.translations()) return hand;
-  std::ostringstream text;
+  control::ClassicText text;
   text << "operator '" << hand->name() << "' moves " << hand->degrees_of_freedom() << " degrees of freedom, device '"
        << facts.name << "' has " << facts.translations();
   throw std::invalid_argument(text.str());
@@ -60,7 +60,7 @@ SimulatedDevice::SimulatedDevice(DeviceDescription description, std::unique_ptr<
   linearise();
   const double rate = motion_.fastest_rate();
   if (rate <= kRateMax) return;
-  std::ostringstream text;
+  control::ClassicText text;
   text << "device '" << facts().name << "' with operator '" << operator_->name() << "' has a time constant of "
        << 1 / rate << " s; it must be >= " << 1 / kRateMax << " s: more mass, or less damping or stiffness";
   throw std::invalid_argument(text.str());

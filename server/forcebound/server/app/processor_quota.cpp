@@ -2,27 +2,39 @@
 
 #include <algorithm>
 #include <fstream>
+#include <iterator>
 #include <string>
+#include <string_view>
 #include <system_error>
+#include <vector>
+
+#include "forcebound/text/lines.hpp"
+#include "forcebound/text/numbers.hpp"
 
 namespace forcebound::server {
 namespace {
 
 namespace fs = std::filesystem;
 
+/// The words in a file; none if there is none.
+std::string words_in(const fs::path& file) {
+  std::ifstream stream(file);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
 /// "QUOTA PERIOD", in microseconds; a quota that is "max", or negative, is none.
-std::optional<double> share(std::istream& quota, std::istream& period) {
-  double quota_us = 0;
-  double period_us = 0;
-  if (!(quota >> quota_us) || !(period >> period_us) || quota_us <= 0 || period_us <= 0) return std::nullopt;
+std::optional<double> share(const std::string& text) {
+  const std::vector<std::string_view> words = text::split_at_blanks(text);
+  if (words.size() != 2) return std::nullopt;
+  const double quota_us = text::finite_number(words[0]).value_or(0);
+  const double period_us = text::finite_number(words[1]).value_or(0);
+  if (quota_us <= 0 || period_us <= 0) return std::nullopt;
   return quota_us / period_us;
 }
 
 std::optional<double> share_of(const fs::path& group) {
-  if (std::ifstream both(group / "cpu.max"); both) return share(both, both);
-  std::ifstream quota(group / "cpu.cfs_quota_us");
-  std::ifstream period(group / "cpu.cfs_period_us");
-  return share(quota, period);
+  if (const std::string both = words_in(group / "cpu.max"); !both.empty()) return share(both);
+  return share(words_in(group / "cpu.cfs_quota_us") + " " + words_in(group / "cpu.cfs_period_us"));
 }
 
 bool names_cpu(const std::string& controllers) { return ("," + controllers + ",").find(",cpu,") != std::string::npos; }

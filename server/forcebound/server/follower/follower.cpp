@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <stdexcept>
 #include <utility>
 
+#include "forcebound/control/classic_text.hpp"
 #include "forcebound/control/exact_law.hpp"
 
 namespace forcebound::server {
@@ -30,7 +30,7 @@ constexpr double kEnd_per_s = 20;   // and ends
 
 void check_above_zero(const char* what, double value) {
   if (value > 0 && std::isfinite(value)) return;
-  std::ostringstream text;
+  control::ClassicText text;
   text << what << " must be > 0, got " << value;
   throw std::invalid_argument(text.str());
 }

@@ -1,8 +1,8 @@
 #include "forcebound/server/follower/workspace_map.hpp"
 
-#include <sstream>
 #include <stdexcept>
 
+#include "forcebound/control/classic_text.hpp"
 #include "forcebound/control/translation.hpp"
 
 namespace forcebound::server {
@@ -16,7 +16,7 @@ std::optional<Eigen::Quaterniond> orientation_of(const control::Handle& handle) 
 
 void check(const char* what, double value, double least, double most) {
   if (value >= least && value <= most) return;
-  std::ostringstream text;
+  control::ClassicText text;
   text << what << " must be " << least << " to " << most << ", got " << value;
   throw std::invalid_argument(text.str());
 }

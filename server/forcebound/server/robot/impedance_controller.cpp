@@ -4,10 +4,10 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <stdexcept>
 #include <string_view>
 
+#include "forcebound/control/classic_text.hpp"
 #include "forcebound/local_model/no_longer_than.hpp"
 #include "forcebound/server/robot/inverse_kinematics.hpp"
 
@@ -27,7 +27,7 @@ struct Setting {
 
 void check(const ImpedanceSettings& settings) {
   const auto refuse = [](const Setting& setting, const char* accepted) {
-    std::ostringstream text;
+    control::ClassicText text;
     text << "impedance control: " << setting.name << " must be " << accepted << ", got " << setting.value;
     throw std::invalid_argument(text.str());
   };

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <functional>
 #include <iterator>
 #include <sstream>
@@ -61,8 +59,8 @@ text::Table::Cell ratio_cell(const BenchRow& row) {
 
 bool BenchRow::fine() const {
   if (wanted.empty() || ratio.empty()) return true;
-  const double bound = std::strtod(bound_of(*this).c_str(), nullptr);
-  const double value = std::strtod(ratio.c_str(), nullptr);
+  const double bound = text::finite_number(bound_of(*this)).value_or(0);
+  const double value = text::finite_number(ratio).value_or(0);
   return wanted.starts_with(">=") ? value >= bound : value <= bound;
 }
 
@@ -99,11 +97,7 @@ BenchRow turns_row(std::string what, std::string unit, std::string conditions, c
 
 BenchRow growth_row(std::string what, std::string size, double ours, std::string yardstick, double theirs) {
   const bool alone = yardstick.empty();
-  char text[32];
-  const auto exponent = [&](double value) {
-    std::snprintf(text, sizeof text, "%.2f", value);
-    return std::string(text);
-  };
+  const auto exponent = [](double value) { return text::fixed(value, 2); };
   return {.kind = BenchRow::Kind::growth,
           .what = std::move(what),
           .unit = std::move(size),

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <sstream>
 #include <stdexcept>
 
+#include "forcebound/control/classic_text.hpp"
 #include "forcebound/device/load_device.hpp"
 #include "forcebound/device/tick_rate.hpp"
 #include "forcebound/server/environment/scene_parser.hpp"
@@ -121,7 +121,7 @@ bool free_device_is_stable(const std::string& device, double stiffness_N_per_m) 
       .task = task_of("wall", device), .network = network_of("none"), .conditions = Conditions::ideal, .law = "none"};
   sim::ClosedLoop::Settings settings = settings_of(setup);
   settings.make_hand = [] { return std::make_unique<LettingGo>(); };
-  std::ostringstream toml;
+  control::ClassicText toml;
   toml << "scene = { name = 'spring', description = 'a spring to both sides', degrees_of_freedom = 1 }\n"
           "[[field]]\nname = 'spring'\neffects = ['spring_to_point']\n[field.spring_to_point]\ncenter_m = [0]\n"
           "stiffness_N_per_m = "

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <sstream>
 
+#include "forcebound/control/classic_text.hpp"
 #include "tests/tools/lab/measures/percentile.hpp"
 
 #include "forcebound/baselines/baselines.hpp"
@@ -127,7 +127,7 @@ Json standing(const ComparisonResult& result, const LawInComparison& law) {
           {"tuned", tuned(law)}};
 }
 
-void add_cell(std::ostringstream& row, double value) {
+void add_cell(std::ostream& row, double value) {
   row << ',';
   if (std::isfinite(value)) row << value;
 }
@@ -162,7 +162,7 @@ Json standings(const ComparisonResult& result) {
 }
 
 std::string to_csv(const ComparisonResult& result) {
-  std::ostringstream rows;
+  control::ClassicText rows;
   rows.precision(9);
   rows << "law,scene,device,network,conditions,stiffness_N_per_m,seed,passivity_minimum_J,calm,ringing_s,"
           "displayed_stiffness_N_per_m,force_mean_N,force_variance_N2,restlessness,device_error,direction_error_rad,"

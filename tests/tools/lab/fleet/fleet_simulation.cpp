@@ -7,10 +7,11 @@
 #include <limits>
 #include <queue>
 #include <set>
-#include <sstream>
 #include <stdexcept>
 #include <utility>
 
+#include "forcebound/control/classic_text.hpp"
+#include "forcebound/text/numbers.hpp"
 #include "tests/tools/netem/random.hpp"
 
 namespace forcebound::lab {
@@ -345,13 +346,13 @@ FleetResult simulate_fleet(const FleetSettings& settings) {
   expect(settings.arrive_s > 0 && settings.stay_s > 0 && settings.look_s > 0 && settings.retry_s > 0,
          "times of arrival, stay, look and retry must be above 0");
   const double load = static_cast<double>(settings.places) * kMotionsPerSecond * settings.motion_s;
-  expect(load < 1, std::to_string(settings.places) + " places make " + std::to_string(load) +
+  expect(load < 1, std::to_string(settings.places) + " places make " + text::to_text(load) +
                        " of a core, which must be below 1: fewer places, or motions that cost less");
   return Fleet(settings).run();
 }
 
 double mean_wait_s(double load, double service_s) {
-  expect(load >= 0 && load < 1, "the load of a core must be from 0 to below 1, got " + std::to_string(load));
+  expect(load >= 0 && load < 1, "the load of a core must be from 0 to below 1, got " + text::to_text(load));
   return load * service_s / (2 * (1 - load));
 }
 
@@ -362,7 +363,7 @@ double at_share(const std::vector<double>& ascending, double share) {
 }
 
 std::string fleet_csv(const FleetResult& result) {
-  std::ostringstream csv;
+  control::ClassicText csv;
   csv << "time_s,sessions,waiting,in_use,ready,starting\n";
   for (const FleetMoment& at : result.moments) {
     csv << at.time_s << ',' << at.sessions << ',' << at.waiting << ',' << at.in_use << ',' << at.ready << ','

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <functional>
-#include <sstream>
 
+#include "forcebound/control/classic_text.hpp"
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/text/table.hpp"
 #include "forcebound/text/terminal.hpp"
@@ -25,7 +25,7 @@ class Lines {
   [[nodiscard]] std::string text() const { return out_.str(); }
 
  private:
-  std::ostringstream out_;
+  control::ClassicText out_;
 };
 
 /// A lower bound that is still one when written with five digits.
@@ -182,7 +182,7 @@ std::string findings_text(const Findings& findings, const control::DeviceFacts& 
     losses.add({number, rounded(balance.damping.estimate), bound(balance.damping), rounded(balance.friction.estimate),
                 bound(balance.friction)});
   }
-  std::ostringstream out;
+  control::ClassicText out;
   out << motion.to_text() << '\n' << losses.to_text() << '\n';
   const auto time = [&](const char* name, const TimeBounds& bounds) {
     out << name;

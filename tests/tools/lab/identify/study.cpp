@@ -4,8 +4,8 @@
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
+#include "forcebound/control/classic_text.hpp"
 #include "forcebound/server/environment/scene_parser.hpp"
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/text/table.hpp"
@@ -255,7 +255,7 @@ std::string study_text(const std::vector<StudyDevice>& devices, text::Colour col
   for (const StudyDevice& device : devices) {
     for (const std::string& refusal : device.refusals) ++refusals[kind_of(refusal)];
   }
-  std::ostringstream out;
+  control::ClassicText out;
   out << "Lower bounds as a share of the hidden truth; a refused one counts as 0 %.\n\n"
       << bounds.to_text(colour) << "\nLatency and hold time: how far the upper bound is above the truth. Outside: a\n"
       << "time not within its bounds, or a wrong encoder step.\n\n"

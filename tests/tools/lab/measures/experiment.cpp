@@ -1,8 +1,8 @@
 #include "tests/tools/lab/measures/experiment.hpp"
 
-#include <sstream>
 #include <stdexcept>
 
+#include "forcebound/control/classic_text.hpp"
 #include "forcebound/device/load_device.hpp"
 #include "forcebound/server/environment/scene_parser.hpp"
 #include "forcebound/text/names.hpp"
@@ -64,7 +64,7 @@ std::vector<Experiment> sphere() {
 }
 
 std::shared_ptr<const scene::Scene> scene_of(const Experiment& experiment) {
-  std::ostringstream toml;
+  control::ClassicText toml;
   if (experiment.name == "circle") {
     toml << "scene = { name = 'circle', description = 'the inside of a circle', degrees_of_freedom = 2 }\n"
             "[[object]]\nname = 'rim'\nshape = { kind = 'cavity', center_m = [0, 0], radius_m = 0.04 }\n";
@@ -93,7 +93,7 @@ sim::ClosedLoop::Settings Experiment::settings(const std::string& law) const {
 }
 
 std::string Experiment::title() const {
-  std::ostringstream text;
+  control::ClassicText text;
   text << name << ", K " << stiffness_N_per_m * 1e-3 << " N/mm, ";
   if (one_way_delay_s > 0) text << one_way_delay_s * 1e3 << " ms each way, ";
   text << (encoder_m > 0 ? "encoder " + std::to_string(static_cast<int>(encoder_m * 1e6 + 0.5)) + " um"

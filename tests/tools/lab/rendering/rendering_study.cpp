@@ -41,11 +41,11 @@ std::vector<RenderingCondition> rendering_conditions() {
     if (network.settings.trace)
       conditions.push_back({.name = network.name, .kind = "recorded", .network = network.settings});
   }
-  for (const int length_s : {1, 3}) {
+  for (const int seconds : {1, 3}) {
     RenderingCondition dead = delayed(20);
-    dead.name = "blackout " + std::to_string(length_s) + " s";
+    dead.name = "blackout " + std::to_string(seconds) + " s";
     dead.kind = "blackouts";
-    dead.faults.push_back({.kind = sim::ClosedLoop::Fault::Kind::blackout, .at = 2600ms, .length = length_s * 1s});
+    dead.faults.push_back({.kind = sim::ClosedLoop::Fault::Kind::blackout, .at = 2600ms, .length = seconds * 1s});
     conditions.push_back(std::move(dead));
   }
   return conditions;

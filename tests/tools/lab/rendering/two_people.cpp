@@ -1,12 +1,14 @@
 #include "tests/tools/lab/rendering/two_people.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
 #include "forcebound/device/simulated/smooth_step.hpp"
 #include "forcebound/server/environment/scene_parser.hpp"
+#include "forcebound/text/numbers.hpp"
 #include "tests/tools/lab/comparison/task.hpp"
 #include "tests/tools/sim/firm_device.hpp"
 #include "tests/tools/sim/shared_loop.hpp"
@@ -74,10 +76,9 @@ HandleRun play_handles(const TwoPeopleSettings& settings, bool through_networks,
   for (std::size_t i = 0; i < kPeople; ++i) {
     sim::SharedLoop::Person person{.device = sim::firm_device(), .make_hand = handle_hand(kMotions.at(i))};
     if (through_networks) {
-      char words[64];
-      std::snprintf(words, sizeof words, "delay %gms %gms loss 5%%", kRoundTrips_ms.at(i) / 2,
-                    kRoundTrips_ms.at(i) / 20);
-      person.network = network_of(words).settings;
+      person.network = network_of("delay " + text::to_text(kRoundTrips_ms.at(i) / 2) + "ms " +
+                                  text::to_text(kRoundTrips_ms.at(i) / 20) + "ms loss 5%")
+                           .settings;
     }
     person.network.seed = kPeople * seed + i;
     person.renders_locally = local;
@@ -187,14 +188,9 @@ std::string two_people_table(const TwoPeopleSettings& settings, const std::vecto
   for (const TwoPeopleRow& row : rows) {
     for (std::size_t i = 0; i < kPeople; ++i) {
       const HandleFigures& one = row.people.at(i);
-      char line[128];
-      std::snprintf(line, sizeof line, "  %-6s at %2.0f ms %9.3f %6.3f %8.2f %8.2f", row.local ? "local" : "remote",
-                    kRoundTrips_ms.at(i), one.force_N, one.error, 1e9 * one.minimum_J, 1e3 * one.deviation_m);
-      table += line;
-      if (i == 0) {
-        std::snprintf(line, sizeof line, " %8.3f", row.impulse);
-        table += line;
-      }
+      table += fmt::format("  {:6} at {:2.0f} ms {:9.3f} {:6.3f} {:8.2f} {:8.2f}", row.local ? "local" : "remote",
+                           kRoundTrips_ms.at(i), one.force_N, one.error, 1e9 * one.minimum_J, 1e3 * one.deviation_m);
+      if (i == 0) table += fmt::format(" {:8.3f}", row.impulse);
       table += "\n";
     }
   }

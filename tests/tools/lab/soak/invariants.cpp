@@ -1,9 +1,9 @@
 #include "tests/tools/lab/soak/invariants.hpp"
 
 #include <cmath>
-#include <sstream>
 #include <variant>
 
+#include "forcebound/control/classic_text.hpp"
 #include "tests/tools/lab/soak/ledger_in_long_double.hpp"
 
 namespace forcebound::lab {
@@ -31,7 +31,7 @@ Invariants::~Invariants() = default;
 template <typename... Parts>
 void Invariants::fail(const record::TickRecord& tick, const Parts&... parts) {
   if (!broken_.empty()) return;
-  std::ostringstream text;
+  control::ClassicText text;
   text.precision(17);
   text << "tick " << tick.tick << " at " << time::to_seconds(tick.time) << " s: ";
   (text << ... << parts);

@@ -1,11 +1,11 @@
 #include "tests/tools/lab/soak/soak_case.hpp"
 
 #include <algorithm>
-#include <sstream>
 #include <utility>
 #include <vector>
 
 #include "forcebound/baselines/baselines.hpp"
+#include "forcebound/control/classic_text.hpp"
 #include "forcebound/device/load_device.hpp"
 #include "forcebound/scene/geometry/triangle_mesh.hpp"
 #include "forcebound/scene/part.hpp"
@@ -102,7 +102,7 @@ sim::ClockSkew draw_skew(Draw& draw) {
 }
 
 std::shared_ptr<const scene::Scene> draw_scene(Draw& draw) {
-  std::ostringstream toml;
+  control::ClassicText toml;
   toml << "scene = { name = 'wall', description = 'a wall at x = 0', degrees_of_freedom = 'any' }\n"
           "[[object]]\nname = 'wall'\nshape = { kind = 'half_space', through_m = [0], normal = [-1] }\n"
           "effects = ['surface']\n[object.surface]\nstiffness_N_per_m = "
@@ -148,7 +148,7 @@ std::shared_ptr<const scene::Scene> draw_lying_mesh(Draw& draw) {
 
 /// What a server may hand over in place of its scene.
 std::shared_ptr<const scene::Scene> draw_lie(Draw& draw) {
-  std::ostringstream toml;
+  control::ClassicText toml;
   toml << "scene = { name = 'lie', description = '', degrees_of_freedom = 'any' }\n";
   switch (draw.index(4)) {
     case 0:  // a wall where there is none, stiffer than anything
@@ -308,7 +308,7 @@ SoakCase draw_soak_case(std::uint64_t seed, const std::string& law) {
 
 std::string SoakCase::description() const {
   const auto ms = [](Nanoseconds t) { return time::to_seconds(t) * 1e3; };
-  std::ostringstream text;
+  control::ClassicText text;
   text << "  seed         " << seed << "\n  law          " << settings.law << ", memory "
        << (settings.law_options.memory == control::EnergyMemory::full ? "full" : "capped") << "\n  device       "
        << describe(settings.device) << ", latency " << settings.device.facts.latency_s * 1e6 << " us\n  hand         "

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
+#include "forcebound/text/numbers.hpp"
 #include "tests/tools/sim/draw.hpp"
 
 namespace forcebound::lab {
@@ -56,11 +56,9 @@ control::Handle ScriptOperator::handle(double time_s) const noexcept {
 }
 
 std::string ScriptOperator::description() const {
-  char text[160];
-  std::snprintf(text, sizeof text, "script of task %s, pace %.2f, hand of %.2g kg, %.3g N/m, %.2g N s/m",
-                task_.name.c_str(), pace_, settings_.hand.mass_kg, settings_.hand.stiffness_N_per_m,
-                settings_.hand.damping_N_s_per_m);
-  return text;
+  return "script of task " + task_.name + ", pace " + text::fixed(pace_, 2) + ", hand of " +
+         text::rounded(settings_.hand.mass_kg, 2) + " kg, " + text::rounded(settings_.hand.stiffness_N_per_m) +
+         " N/m, " + text::rounded(settings_.hand.damping_N_s_per_m, 2) + " N s/m";
 }
 
 }  // namespace forcebound::lab

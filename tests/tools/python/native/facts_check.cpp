@@ -1,11 +1,12 @@
 #include "tests/tools/python/native/facts_check.hpp"
 
 #include <cmath>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 
+#include "forcebound/control/classic_text.hpp"
 #include "forcebound/control/damping.hpp"
+#include "forcebound/text/numbers.hpp"
 
 namespace forcebound::python {
 namespace {
@@ -17,7 +18,7 @@ using control::Vector;
 
 template <class Value>
 [[noreturn]] void refuse(const char* field, const std::string& accepted, const Value& got) {
-  std::ostringstream text;
+  control::ClassicText text;
   text << field << " must be " << accepted << ", got " << got;
   throw std::invalid_argument(text.str());
 }
@@ -35,7 +36,7 @@ void expect_bracket(const char* field, const Bracket& bracket) {
   const bool holds = bracket.least >= -1 && bracket.least <= bracket.most && bracket.most <= 1;
   if (!holds) {
     refuse(field, "two numbers of -1 to 1 s, the smaller one first",
-           std::to_string(bracket.least) + ", " + std::to_string(bracket.most));
+           text::to_text(bracket.least) + ", " + text::to_text(bracket.most));
   }
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "forcebound/baselines/baselines.hpp"
+#include "forcebound/text/numbers.hpp"
 #include "tests/tools/netem/netem_parameters.hpp"
 #include "tests/tools/netem/trace.hpp"
 #include "tests/tools/python/native/bindings.hpp"
@@ -36,7 +37,7 @@ time::Nanoseconds duration_from(py::handle value, const char* name) {
 double share_from(py::handle value, const char* name) {
   const double share = number_from(value, name);
   if (share >= 0 && share <= 1) return share;
-  throw py::value_error(std::string(name) + " must be 0 to 1, got " + std::to_string(share));
+  throw py::value_error(std::string(name) + " must be 0 to 1, got " + text::to_text(share));
 }
 
 struct Setting {

@@ -1,8 +1,9 @@
 #include "tests/tools/python/native/own_hand.hpp"
 
 #include <cmath>
-#include <sstream>
 
+#include "forcebound/control/classic_text.hpp"
+#include "forcebound/text/numbers.hpp"
 #include "tests/tools/python/native/fields.hpp"
 
 namespace forcebound::python {
@@ -29,7 +30,7 @@ std::pair<py::object, py::object> parts_of(const py::object& returned) {
 double not_negative(py::handle hand, const char* name) {
   const double value = number_from(hand.attr(name), name);
   if (value >= 0 && std::isfinite(value)) return value;
-  throw py::value_error(std::string("OwnHand: ") + name + " must be finite and >= 0, got " + std::to_string(value));
+  throw py::value_error(std::string("OwnHand: ") + name + " must be finite and >= 0, got " + text::to_text(value));
 }
 
 }  // namespace
@@ -61,7 +62,7 @@ device::Operator::Target OwnHand::target(double time_s) const noexcept {
 }
 
 std::string OwnHand::description() const {
-  std::ostringstream text;
+  control::ClassicText text;
   text << "own:mass_kg=" << hand().mass_kg << ",stiffness_N_per_m=" << hand().stiffness_N_per_m
        << ",damping_N_s_per_m=" << hand().damping_N_s_per_m << " (a function in Python)";
   return text.str();

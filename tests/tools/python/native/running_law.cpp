@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "forcebound/baselines/baselines.hpp"
+#include "forcebound/text/numbers.hpp"
 #include "tests/tools/python/native/fields.hpp"
 
 namespace forcebound::python {
@@ -35,7 +36,7 @@ double report_or_else(const py::object& told, double standard, const char* name)
   const double seconds = or_else(told, standard, name);
   if (told.is_none() || std::abs(seconds) <= kMost_s) return seconds;
   throw py::value_error(std::string(name) + " must be -1e6 to 1e6 s, or None where the device does not tell, got " +
-                        std::to_string(seconds));
+                        text::to_text(seconds));
 }
 
 }  // namespace
@@ -152,7 +153,7 @@ class RunningLaw::Sequence {
     for (py::ssize_t row = 0; row < size(); ++row) {
       const double latency_s = latencies_s_->read(row);
       if (latency_s >= 0 && latency_s <= 1e6) continue;
-      throw py::value_error("latencies_s must be 0 to 1e6 s, got " + std::to_string(latency_s) + " in row " +
+      throw py::value_error("latencies_s must be 0 to 1e6 s, got " + text::to_text(latency_s) + " in row " +
                             std::to_string(row));
     }
   }
