@@ -97,6 +97,7 @@ void each_total(Totals& totals, Visit&& visit) {
   visit("trips_of_workspace", totals.trips_of_workspace);
   visit("trips_of_heat", totals.trips_of_heat);
   visit("trips_of_dead_man", totals.trips_of_dead_man);
+  visit("trips_of_frozen_readings", totals.trips_of_frozen_readings);
   visit("watchdog_stops", totals.watchdog_stops);
   visit("send_failures", totals.send_failures);
   visit("missed_ticks", totals.missed_ticks);
@@ -325,6 +326,9 @@ std::vector<Fault> faults_of(const RunTotals& t) {
        "times the motors' load was above the device's limit: the force was bounded"},
       {"trips_of_dead_man", t.trips_of_dead_man, "time the dead-man button was not pressed: no force meanwhile",
        "times the dead-man button was not pressed: no force meanwhile"},
+      {"trips_of_frozen_readings", t.trips_of_frozen_readings,
+       "time readings of the device did not change, though the force on it had: no force meanwhile",
+       "times readings of the device did not change, though the force on it had: no force meanwhile"},
       {"watchdog_stops", t.watchdog_stops, "time the device was stopped because the tick did not run",
        "times the device was stopped because the tick did not run"},
       {"send_failures", t.send_failures, "datagram the system did not take", "datagrams the system did not take"},

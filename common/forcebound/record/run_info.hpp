@@ -104,6 +104,7 @@ struct RunTotals {
   std::uint64_t trips_of_workspace = 0;           ///< times it left the workspace that the device's safety limits name
   std::uint64_t trips_of_heat = 0;                ///< times the mean square of the force was too large for the motors
   std::uint64_t trips_of_dead_man = 0;            ///< times the dead-man button was let go, or not pressed at the start
+  std::uint64_t trips_of_frozen_readings = 0;     ///< times readings did not change, though the force on the device did
   std::uint64_t watchdog_stops = 0;               ///< times the device was stopped because the tick did not run
   std::uint64_t send_failures = 0;
   std::uint64_t missed_ticks = 0;            ///< left out: the loop woke too late for them

@@ -43,13 +43,15 @@ Vector HandSafety::limited(const Vector& wanted_N, const Tick& tick) noexcept {
   missing_s_ = 0;
   note_speeds(tick, since_reading_s);
   note_button(tick);
-  if (speed_.too_fast || turn_.too_fast || let_go_) {
+  if (tick.frozen && !frozen_) begin(Trip::frozen);
+  frozen_ = tick.frozen;
+  if (speed_.too_fast || turn_.too_fast || let_go_ || frozen_) {
     ramp_ = 0;
     return Vector::Zero(wanted_N.rows());
   }
   // By ticks: a pause between two readings is no time in which the force grew.
   ramp_ = limits_.ramp_s > 0 ? std::min(1.0, ramp_ + std::min(elapsed_s, kTickMost_s) / limits_.ramp_s) : 1;
-  share_ = ramp_ * fade(tick.position);
+  share_ = ramp_ * fade(tick.position) * tick.believed;
   Vector asked_N = share_ * wanted_N;
   const double length_N = asked_N.norm();
   // Deep in a stiff object a small share of what is wanted is all that the device has.

@@ -17,14 +17,16 @@ using control::Vector;
 
 /// Bounds the force that is asked of the law by a device's Safety:
 ///
-///     asked = ramp(t) fade(x) F, its length at most cap
-///     asked = 0    while the tip is too fast, the handle turns too fast or the dead-man button is up
+///     asked = ramp(t) fade(x) believed F, its length at most cap
+///     asked = 0    while the tip is too fast, the handle turns too fast, readings are frozen or the dead-man button
+///                  is up
 ///
 /// ramp goes from 0 to 1 in ramp_s, from the first usable reading after start, after one that was not, after the hand
-/// was too fast, or from when the dead-man button was pressed. A device without that button has it up. fade goes from 1
-/// at workspace_radius_m to 0 at workspace_fade_m beyond. cap is no limit while the mean square of the force that was
-/// applied, over rms_s, is below rms_force_N_max^2; above, it falls to rms_force_N_max by as much in each second, and
-/// rises likewise once the mean square is 10 % below.
+/// was too fast or readings were frozen, or from when the dead-man button was pressed. A device without that button has
+/// it up. fade goes from 1
+/// at workspace_radius_m to 0 at workspace_fade_m beyond; believed is the share that UnseenEnergy leaves. cap is no
+/// limit while the mean square of the force that was applied, over rms_s, is below rms_force_N_max^2; above, it falls
+/// to rms_force_N_max by as much in each second, and rises likewise once the mean square is 10 % below.
 ///
 /// While it grows the length is at most ramp force_N_max. Readings that are missing for less than 20 ms begin no ramp.
 ///
@@ -36,8 +38,8 @@ using control::Vector;
 /// Real time: noexcept, no allocation, O(dof). Deterministic.
 class HandSafety {
  public:
-  enum class Trip : std::uint8_t { speed, turn, workspace, heat, dead_man };
-  static constexpr std::size_t kTrips = 5;
+  enum class Trip : std::uint8_t { speed, turn, workspace, heat, dead_man, frozen };
+  static constexpr std::size_t kTrips = 6;
 
   /// @param force_N_max the device's largest, as the torque
   explicit HandSafety(const device::Safety& limits, double force_N_max = std::numeric_limits<double>::infinity(),
@@ -54,6 +56,8 @@ class HandSafety {
     double elapsed_s = 0;     ///< since the last reading
     control::Handle handle{};
     Eigen::Vector3d applied_N_m = Eigen::Vector3d::Zero();  ///< torque since the last tick
+    double believed = 1;                                    ///< of UnseenEnergy
+    bool frozen = false;                                    ///< likewise
   };
   /// @param wanted_N of the rendering @returns what may be asked of the law
   [[nodiscard]] Vector limited(const Vector& wanted_N, const Tick& tick) noexcept;
@@ -98,9 +102,10 @@ class HandSafety {
   Speed speed_;
   Speed turn_;
   bool let_go_ = false;  ///< of the dead-man button
+  bool frozen_ = false;  ///< readings
   double ramp_ = 0;
   bool outside_ = false;
-  double share_ = 0;  ///< ramp and fade of this tick
+  double share_ = 0;  ///< ramp, fade and what is believed of this tick
   Load force_load_{};
   Load torque_load_{};
   std::optional<Trip> newest_{};

@@ -40,6 +40,9 @@ std::string_view words_of(HandSafety::Trip trip) noexcept {
       return "the motors' load is above the device's limit: the force is bounded until it is 10 % below";
     case HandSafety::Trip::dead_man:
       return "the dead-man button is not pressed: no force until it is, then a ramp";
+    case HandSafety::Trip::frozen:
+      return "the device's readings do not change, though the force on it has: frozen, or it is held fast; no force "
+             "until they do, then a ramp";
   }
   return {};
 }
@@ -64,6 +67,7 @@ Session::Session(Options options, device::HapticDevice& device, std::unique_ptr<
       rendering_(options_.local, {.slew_per_s = options_.force_slew_N_per_s, .most = device.facts().force_N_max},
                  {.slew_per_s = options_.torque_slew_N_m_per_s, .most = device.facts().torque_N_m_max}),
       safety_(device.safety(), device.facts().force_N_max, device.facts().torque_N_m_max),
+      unseen_(device.facts(), safety_.limits()),
       last_applied_(Vector::Zero(device.facts().degrees_of_freedom())) {
   options_.policy.validate();
   const std::string_view server_law = controller_.law().server_law();
@@ -175,8 +179,13 @@ RequestRendering::Request Session::request_at(Done& done, Nanoseconds now) noexc
   schedule_.note(need_of(request));
   const int rotations = device_.facts().rotations;
   const Vector applied_N = last_applied_.head(device_.facts().translations());
-  HandSafety::Tick safety{
-      .position = reading.position, .applied_N = applied_N, .elapsed_s = tick.elapsed_s, .handle = reading.handle};
+  if (reading.position.allFinite()) unseen_.note(reading, last_applied_, tick.elapsed_s);
+  HandSafety::Tick safety{.position = reading.position,
+                          .applied_N = applied_N,
+                          .elapsed_s = tick.elapsed_s,
+                          .handle = reading.handle,
+                          .believed = unseen_.share(),
+                          .frozen = unseen_.frozen()};
   if (rotations > 0) safety.applied_N_m = last_applied_.tail<3>();
   request.force_N = safety_.limited(request.force_N, safety);
   request.torque_N_m = rotations > 0 ? safety_.limited_torque(request.torque_N_m) : Eigen::Vector3d::Zero();

@@ -18,6 +18,7 @@
 #include "forcebound/client/session/hand_safety.hpp"
 #include "forcebound/client/session/late_force_policy.hpp"
 #include "forcebound/client/session/motion_schedule.hpp"
+#include "forcebound/client/session/unseen_energy.hpp"
 #include "forcebound/client/session/view_sink.hpp"
 #include "forcebound/control/passivity_controller.hpp"
 #include "forcebound/device/command_times.hpp"
@@ -184,6 +185,7 @@ class Session {
   ClockOffset clocks_;
   RequestRendering rendering_;
   HandSafety safety_;
+  UnseenEnergy unseen_;
   Tool tool_;
   bool told_of_torque_ = false;
   Vector last_applied_;  // as Done::applied

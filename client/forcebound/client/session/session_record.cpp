@@ -172,6 +172,7 @@ record::RunTotals Session::totals() const {
   totals.trips_of_workspace = safety_.trips(HandSafety::Trip::workspace);
   totals.trips_of_heat = safety_.trips(HandSafety::Trip::heat);
   totals.trips_of_dead_man = safety_.trips(HandSafety::Trip::dead_man);
+  totals.trips_of_frozen_readings = safety_.trips(HandSafety::Trip::frozen);
   totals.models_refused = rendering_.answers().refused();
   if (clocks_.known()) {
     totals.server_ahead = clocks_.ahead();

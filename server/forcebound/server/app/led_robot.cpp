@@ -96,6 +96,7 @@ std::string in_words(const FollowerThread::Outcome& outcome) {
           (outcome.at_rest ? "at rest" : "NOT AT REST, its brakes are on") + "\n";
   text += "  period: " + timer_text(outcome.loop) + ", " + std::to_string(outcome.missed_ticks) + " missed\n";
   text += "  idle timer: " + timer_text(outcome.idle) + "\n";
+  if (totals.frozen > 0) text += "  faults: " + text::counted(totals.frozen, "stop") + " for frozen readings\n";
   if (totals.lost_readings > 0) text += "  faults: " + text::counted(totals.lost_readings, "lost reading") + "\n";
   if (outcome.allocations > 0) {
     text += "  faults: " + text::counted(outcome.allocations, "allocation") + " in the robot's loop\n";

@@ -11,6 +11,7 @@
 #include "forcebound/device/command_times.hpp"
 #include "forcebound/server/follower/architecture.hpp"
 #include "forcebound/server/follower/engagement.hpp"
+#include "forcebound/server/follower/joint_answers.hpp"
 #include "forcebound/server/follower/leader_motion.hpp"
 #include "forcebound/server/follower/received_energy.hpp"
 #include "forcebound/server/follower/sensor_bias.hpp"
@@ -63,6 +64,7 @@ struct FollowerTotals {
   std::uint64_t ticks = 0;
   std::uint64_t bounded = 0;  ///< ticks on which the law shortened the torques
   std::uint64_t stops = 0;
+  std::uint64_t frozen = 0;           ///< stops for joints that did not answer
   std::uint64_t lost_readings = 0;    ///< those that the robot held its torques on for aside
   std::uint64_t motions_refused = 0;  ///< of the leader, farther away than any hand
   std::string_view why_stopped{};     ///< last
@@ -140,6 +142,7 @@ class Follower {
   TargetLimiter target_;
   ReceivedEnergy energy_;
   SensorBias bias_;
+  JointAnswers answers_;
 
   std::optional<LeaderMotion> leader_;
   double leader_speed_m_per_s_ = 0;

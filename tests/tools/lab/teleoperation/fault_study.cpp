@@ -41,6 +41,8 @@ std::vector<NamedFault> faults() {
       {"both ways dead", network_fault(Kind::blackout)},
       {"robot unplugged",
        [](TeleoperationSetup& setup) { setup.flaws = {.unplugged_from = kFrom, .unplugged_until = kFrom + kLength}; }},
+      {"readings freeze",
+       [](TeleoperationSetup& setup) { setup.flaws = {.frozen_from = kFrom, .frozen_until = kFrom + kLength}; }},
       {"hand too deep", [](TeleoperationSetup& setup) {
          constexpr double kTooDeep_m = 0.04;
          const Eigen::Vector3d start = setup.task.target(0).position;

@@ -13,13 +13,20 @@ using time::Nanoseconds;
 struct RobotFlaws {
   Nanoseconds unplugged_from{Nanoseconds::max()};
   Nanoseconds unplugged_until{Nanoseconds::max()};
+  Nanoseconds frozen_from{Nanoseconds::max()};  ///< its readings repeat the one before, with new stamps
+  Nanoseconds frozen_until{Nanoseconds::max()};
+  int frozen_joint = -1;  ///< it alone; -1: all
 };
 
-/// A robot that is unplugged for a while: it returns no readings and takes no commands; the last one is released.
-class FlawedRobot final : public server::TaskRobot {
+/// A robot, or one at a task, that is unplugged for a while: it returns no readings and takes no commands; the last one
+/// is released. Or one of which the readings freeze while it moves on.
+template <typename Kind>
+class FlawedRobotOf : public Kind {
  public:
-  FlawedRobot(std::unique_ptr<server::TaskRobot> robot, const RobotFlaws& flaws)
-      : robot_(std::move(robot)), flaws_(flaws) {}
+  FlawedRobotOf(std::unique_ptr<Kind> robot, const RobotFlaws& flaws) : robot_(std::move(robot)), flaws_(flaws) {}
+
+  /// Its joints at the latest reading, whatever that showed.
+  [[nodiscard]] const control::Vector& truth() const noexcept { return truth_; }
 
   [[nodiscard]] const control::DeviceFacts& facts() const noexcept override { return robot_->facts(); }
   [[nodiscard]] bool is_simulated() const noexcept override { return robot_->is_simulated(); }
@@ -28,6 +35,9 @@ class FlawedRobot final : public server::TaskRobot {
     device::Reading reading = robot_->read(now);
     failed_ = now >= flaws_.unplugged_from && now < flaws_.unplugged_until;
     if (failed_) reading.status = device::Reading::Status::failed;
+    truth_ = reading.joint;
+    if (shown_.rows() > 0 && now >= flaws_.frozen_from && now < flaws_.frozen_until) freeze(reading);
+    shown_ = reading.joint;
     return reading;
   }
   void apply(Nanoseconds now, const control::Vector& torque) noexcept override {
@@ -57,12 +67,31 @@ class FlawedRobot final : public server::TaskRobot {
   void soft_stop(Nanoseconds now) noexcept override { robot_->soft_stop(now); }
   void resume(Nanoseconds now) noexcept override { robot_->resume(now); }
   [[nodiscard]] bool is_stopped() const noexcept override { return robot_->is_stopped(); }
-  [[nodiscard]] server::TaskProgress progress() const noexcept override { return robot_->progress(); }
+
+ protected:
+  [[nodiscard]] const Kind& robot() const noexcept { return *robot_; }
 
  private:
-  std::unique_ptr<server::TaskRobot> robot_;
+  void freeze(device::Reading& reading) const noexcept {
+    if (flaws_.frozen_joint < 0) {
+      reading.joint = shown_;
+    } else {
+      reading.joint[flaws_.frozen_joint] = shown_[flaws_.frozen_joint];
+    }
+    reading.position = reading.joint;
+  }
+
+  std::unique_ptr<Kind> robot_;
   RobotFlaws flaws_;
+  control::Vector truth_{};
+  control::Vector shown_{};
   bool failed_ = false;
+};
+
+class FlawedRobot final : public FlawedRobotOf<server::TaskRobot> {
+ public:
+  using FlawedRobotOf::FlawedRobotOf;
+  [[nodiscard]] server::TaskProgress progress() const noexcept override { return robot().progress(); }
 };
 
 }  // namespace forcebound::lab

@@ -45,6 +45,23 @@ TEST(HandSafety, RampsAfterTheStartAndAfterReadingsThatFailed) {
   EXPECT_EQ(hand.ticks(60, 0, 4), 4);
 }
 
+TEST(HandSafety, FrozenReadingsEndTheForceOnceAndItComesBackByARamp) {
+  HandSafety safety({.ramp_s = 0.1});
+  const Vector at = one(0);
+  const auto tick = [&](double believed, bool frozen) {
+    return safety.limited(
+        one(4), {.position = at, .applied_N = at, .elapsed_s = 1e-3, .believed = believed, .frozen = frozen})[0];
+  };
+  for (int i = 0; i < 110; ++i) (void)tick(1, false);
+  EXPECT_EQ(tick(0.5, false), 2);
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(tick(0, true), 0);
+  EXPECT_EQ(safety.trips(Trip::frozen), 1U);
+  EXPECT_EQ(safety.take_trip(), Trip::frozen);
+  EXPECT_LT(tick(1, false), 0.1);
+  for (int i = 0; i < 110; ++i) (void)tick(1, false);
+  EXPECT_EQ(tick(1, false), 4);
+}
+
 TEST(HandSafety, AReadingThatIsLateBeginsNoRamp) {
   Hand hand{HandSafety({.ramp_s = 0.1})};
   EXPECT_EQ(hand.ticks(110, 0, 4), 4);

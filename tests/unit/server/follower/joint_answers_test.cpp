@@ -1,0 +1,210 @@
+#include "forcebound/server/follower/joint_answers.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "forcebound/server/follower/follower.hpp"
+#include "tests/support/allocation_guard.hpp"
+#include "tests/support/driven_arm.hpp"
+#include "tests/support/fake_clock.hpp"
+#include "tests/support/gantry_robot.hpp"
+#include "tests/tools/lab/teleoperation/robot_flaws.hpp"
+
+namespace forcebound::server {
+namespace {
+
+using namespace std::chrono_literals;
+using control::FollowerState;
+using lab::RobotFlaws;
+
+constexpr Nanoseconds kFollows{1s};  // it has engaged
+const char* const kFrozen = "a joint does not answer its torque: its readings are frozen";
+
+/// A robot whose readings freeze, led at 1 kHz by a place as a function of time.
+class Led {
+ public:
+  using Lead = std::function<Eigen::Vector3d(double time_s)>;
+
+  Led(std::unique_ptr<Robot> at_work, const RobotFlaws& flaws, const std::string& architecture) : flaws_(flaws) {
+    auto flawed = std::make_unique<lab::FlawedRobotOf<Robot>>(std::move(at_work), flaws);
+    robot = flawed.get();
+    FollowerSettings settings{.architecture = architecture};
+    settings.workspace.rotation.setIdentity();
+    follower = std::make_unique<Follower>(std::move(flawed), settings, control::force_bounding_laws(), clock);
+    follower->start();
+    leader.position = Vector::Zero(3);
+  }
+
+  void run(Nanoseconds duration, const Lead& lead) {
+    for (const Nanoseconds begin = clock.time; clock.time < begin + duration; clock.time += 1ms) {
+      follower->tick(clock.time);
+      note(clock.time);
+      leader.position = lead(time::to_seconds(clock.time - begin));
+      leader.arrived = clock.time;
+      leader.energy_given_J += 5e-3;
+      follower->hear(leader);
+    }
+  }
+
+  test::FakeClock clock{};
+  lab::FlawedRobotOf<Robot>* robot = nullptr;
+  std::unique_ptr<Follower> follower;
+  LeaderMotion leader;
+  double turned = 0;  ///< farthest way of a joint whose readings are frozen, since then
+  double speed = 0;   ///< that it had then
+  std::optional<Nanoseconds> stopped_after{};
+
+ private:
+  void note(Nanoseconds now) {
+    if (now < flaws_.frozen_from) {
+      before_ = robot->truth();
+      return;
+    }
+    if (frozen_at_.rows() == 0) {
+      frozen_at_ = robot->truth();
+      speed = farthest(frozen_at_ - before_) / 1e-3;
+    }
+    turned = std::max(turned, farthest(robot->truth() - frozen_at_));
+    const bool stops = follower->totals().frozen > 0;
+    if (stops && !stopped_after) stopped_after = now - flaws_.frozen_from;
+  }
+
+  [[nodiscard]] double farthest(const Vector& way) const {
+    return flaws_.frozen_joint < 0 ? way.cwiseAbs().maxCoeff() : std::abs(way[flaws_.frozen_joint]);
+  }
+
+  RobotFlaws flaws_;
+  Vector before_{};
+  Vector frozen_at_{};
+};
+
+Led::Lead still() {
+  return [](double) { return Eigen::Vector3d(Eigen::Vector3d::Zero()); };
+}
+
+/// Up and to the side, at that speed, for up to 0.2 m.
+Led::Lead away(double m_per_s) {
+  return
+      [=](double time_s) { return Eigen::Vector3d(std::min(m_per_s * time_s, 0.2) * Eigen::Vector3d(0, -0.5, 0.866)); };
+}
+
+std::unique_ptr<Robot> example_arm() { return open_robot(test::robot_driver("example")); }
+
+/// Frozen so long after its leader began to move away, for as long as it moves.
+Led frozen_on_its_way(std::unique_ptr<Robot> robot, Nanoseconds after, double m_per_s, int joint,
+                      const std::string& architecture = "position-position") {
+  const RobotFlaws flaws{.frozen_from = kFollows + after, .frozen_until = 1h, .frozen_joint = joint};
+  Led led(std::move(robot), flaws, architecture);
+  led.run(kFollows, still());
+  EXPECT_EQ(led.follower->report().state, FollowerState::following);
+  led.run(6s, away(m_per_s));
+  return led;
+}
+
+TEST(JointAnswers, TheExampleArmTurnsLessThanATenthOfARadianOnceItsReadingsFreeze) {
+  for (const int joint : {-1, 0, 1, 2}) {
+    for (const Nanoseconds after : {0ms, 20ms, 100ms, 300ms, 600ms}) {
+      for (const double m_per_s : {0.02, 0.05, 0.1, 0.2, 0.25}) {
+        SCOPED_TRACE("joint " + std::to_string(joint) + " after " + std::to_string(after / 1ms) + " ms at " +
+                     std::to_string(m_per_s) + " m/s");
+        const Led led = frozen_on_its_way(example_arm(), after, m_per_s, joint);
+        // It has no brakes: from its speed its damping takes so long, by its inertia, to bring it to rest.
+        constexpr double kCoasts_s = 0.4 / 2;
+        EXPECT_LT(led.turned, std::max(0.1, 0.06 + kCoasts_s * led.speed));
+        // Of one joint the others may do the work.
+        if (joint < 0) {
+          EXPECT_EQ(led.follower->totals().why_stopped, kFrozen);
+        }
+      }
+    }
+  }
+}
+
+TEST(JointAnswers, AnArmWithASensorAndBrakesIsStoppedToo) {
+  for (const char* const architecture : {"position-position", "position-force"}) {
+    for (const Nanoseconds after : {0ms, 100ms, 400ms}) {
+      for (const double m_per_s : {0.05, 0.2}) {
+        SCOPED_TRACE(std::string(architecture) + " after " + std::to_string(after / 1ms) + " ms at " +
+                     std::to_string(m_per_s) + " m/s");
+        const Led led = frozen_on_its_way(test::driven_arm(), after, m_per_s, -1, architecture);
+        EXPECT_LT(led.turned, 0.1);
+        EXPECT_EQ(led.follower->totals().why_stopped, kFrozen);
+        EXPECT_EQ(led.follower->totals().frozen, 1U);
+      }
+    }
+  }
+}
+
+TEST(JointAnswers, ARobotIsNeverSaidToBeFrozenForStandingStill) {
+  for (const double wall_N_per_m : {500.0, 5000.0, 50000.0}) {
+    for (const double step_m : {0.0, 1e-6, 1e-4, 1e-3}) {
+      for (const bool has_sensor : {true, false}) {
+        SCOPED_TRACE(std::to_string(wall_N_per_m) + " N/m, step " + std::to_string(step_m) +
+                     (has_sensor ? ", sensor" : ""));
+        const test::GantrySettings gantry{
+            .encoder_step_m = step_m, .wall_m = 0.02, .wall_N_per_m = wall_N_per_m, .has_sensor = has_sensor};
+        Led led(std::make_unique<test::GantryRobot>(gantry), {}, "position-position");
+        led.run(kFollows, still());
+        led.run(4s, [](double time_s) { return Eigen::Vector3d(std::min(0.02 * time_s, 0.04), 0, 0); });
+        EXPECT_EQ(led.follower->totals().frozen, 0U);
+        EXPECT_EQ(led.follower->totals().stops, 0U) << led.follower->totals().why_stopped;
+        EXPECT_GT(led.robot->truth()[0], 0.0195) << "it presses";
+      }
+    }
+  }
+}
+
+TEST(JointAnswers, MuchMoreFrictionThanToldNeitherStopsNorHoldsARobot) {
+  for (const double stiction_N : {1.0, 3.0, 5.5}) {
+    for (const double m_per_s : {0.002, 0.01, 0.05}) {
+      SCOPED_TRACE(std::to_string(stiction_N) + " N at " + std::to_string(m_per_s) + " m/s");
+      test::GantrySettings gantry;
+      gantry.wall_m = 1;
+      gantry.stiction_N = stiction_N;
+      Led led(std::make_unique<test::GantryRobot>(gantry), {}, "position-position");
+      led.run(kFollows, still());
+      led.run(4s, [=](double time_s) { return Eigen::Vector3d(m_per_s * time_s, 0, 0); });
+      EXPECT_EQ(led.follower->totals().stops, 0U);
+      EXPECT_NEAR(led.robot->truth()[0], m_per_s * 4, 0.008);
+    }
+  }
+}
+
+TEST(JointAnswers, AFrozenRobotFollowsAgainOnceItsReadingsDo) {
+  Led led(example_arm(), {.frozen_from = kFollows + 100ms, .frozen_until = kFollows + 1s}, "position-position");
+  led.run(kFollows, still());
+  led.run(1s, away(0.1));
+  EXPECT_EQ(led.follower->totals().why_stopped, kFrozen);
+  EXPECT_EQ(led.follower->report().state, FollowerState::stopped);
+  led.run(1s, still());
+  EXPECT_EQ(led.follower->report().state, FollowerState::following);
+  led.run(1s, away(0.02));
+  EXPECT_EQ(led.follower->totals().stops, 1U);
+}
+
+TEST(JointAnswers, DoesNotAllocate) {
+  FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
+  const auto robot = test::driven_arm();
+  JointAnswers answers(*robot);
+  device::Reading reading = robot->read(1s);
+  const Vector torque = Vector::Constant(7, 30);
+  Vector sum = Vector::Zero(7);
+  const test::AllocationGuard guard;
+  for (int tick = 0; tick < 50; ++tick, reading.latched += 1ms) {
+    if (tick < 3) reading.joint.array() += 1e-3;
+    answers.note(reading, torque);
+    sum += answers.limited(torque);
+  }
+  answers.restart();
+  EXPECT_EQ(guard.heap_operations(), 0U);
+  EXPECT_GT(sum.norm(), 0);
+}
+
+}  // namespace
+}  // namespace forcebound::server
