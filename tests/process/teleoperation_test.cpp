@@ -44,6 +44,14 @@ TEST(ARobot, FollowsItsLeaderAndBothSidesArePassive) {
   EXPECT_GE(*least_mJ, kPassiveLeast_mJ);
 }
 
+TEST(ARobot, LearnsItsSensorsBiasWhenItIsTold) {
+  Server server(kArm);
+  ASSERT_TRUE(server.wait_for("listening on", kLong));
+  server.signal(SIGUSR1);
+  EXPECT_TRUE(server.wait_for("robot: its sensor's bias is learned again", kLong)) << server.err();
+  EXPECT_EQ(server.stop(), 0);
+}
+
 TEST(ARobot, HoldsAndStopsWhenItsLeaderIsKilledAndFollowsTheNext) {
   const RecordedHand hand;
   Server server(kArm);

@@ -116,7 +116,11 @@ class GantryRobot : public server::Robot {
   }
   [[nodiscard]] std::optional<server::SensedForce> sensed_force() const noexcept override {
     if (!settings_.has_sensor) return std::nullopt;
-    return server::SensedForce{.force_N = {-wall_force_N(), 0, 0}, .sampled = now_};
+    return server::SensedForce{.force_N = Eigen::Vector3d(-wall_force_N(), 0, 0) + drift_N, .sampled = now_};
+  }
+  void command_gripper(Nanoseconds /*now*/, double opening) noexcept override { gripper_command = opening; }
+  [[nodiscard]] std::optional<double> gripper() const noexcept override {
+    return std::max(gripper_command.value_or(1), held_opening);
   }
   void soft_stop(Nanoseconds now) noexcept override {
     advance(now);
@@ -137,6 +141,9 @@ class GantryRobot : public server::Robot {
   [[nodiscard]] double fastest_rise_N() const noexcept { return fastest_rise_N_; }
 
   bool unplugged = false;
+  Eigen::Vector3d drift_N{Eigen::Vector3d::Zero()};  ///< of its sensor
+  std::optional<double> gripper_command{};           ///< none: never commanded, and open
+  double held_opening = 0;                           ///< what is between its fingers keeps them so far open
 
  private:
   struct Command {

@@ -28,6 +28,8 @@ const pair = (...numbers) => (numbers.every(Number.isNaN) ? "–" : numbers.map(
 const kRows = [
   ["Leader", "", ({ leader }) => leader ?? "–"],
   ["Robot", "", ({ state }) => state ?? "–"],
+  ["Gripper", "", ({ values, state }) =>
+    (state !== "following" ? "–" : values.grip_waits ? "waits until your grip is where it stands" : "goes with your grip")],
   ["Clutch", "", ({ state, values }) => (values.leader_has_clutch === 0 ? "none" : state === "clutched" ? "pressed" : "released")],
   ["Architecture", "", ({ facts }) => facts.architecture ?? "–"],
   ["Its law", "", ({ facts }) => facts.law ?? "–"],
@@ -35,6 +37,7 @@ const kRows = [
   ["Force on the hand", "N", ({ hand_N }) => digits(hand_N)],
   ["On its surroundings", "N", ({ values }) => digits(size(values, "force", "N"))],
   ["Torque on them", "N m", ({ values }) => digits(size(values, "torque", "N_m"))],
+  ["Sensor's bias", "", ({ values }) => (values.bias_age_s >= 0 ? `learned ${digits(values.bias_age_s)} s ago` : "–")],
   ["Lag, drift", "mm", ({ values }) => pair(1e3 * values.lag_m, 1e3 * values.drift_m)],
   ["P, least", "mJ", ({ values }) => pair(1e3 * values.passivity_J, 1e3 * values.least_passivity_J)],
   ["Energy store", "mJ", ({ values, facts }) => `${digits(1e3 * values.store_J)} of ${digits(1e3 * facts.store_J)}`],

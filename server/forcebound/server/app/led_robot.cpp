@@ -78,6 +78,17 @@ std::string in_words(const StateChange& change) {
                           : std::string("; nobody leads");
   }
   if (change.to == stopped) text += "; it follows again once its leader engages";
+  if (change.to != following) return text;
+  if (change.bias_age) text += "; its sensor's bias was learned " + duration_text(*change.bias_age) + " ago";
+  if (change.grip_waits) text += "; the gripper stays until its leader's own grip has met where it stands";
+  return text;
+}
+
+std::string in_words(const SensorBias::Status& bias) {
+  const std::string off = text::rounded(bias.off_N) + " N ";
+  std::string text = "its sensor's bias " + std::string(words_of(bias.answer));
+  if (bias.answer == SensorBias::Answer::learned) text += ", " + off + "from before";
+  if (bias.answer == SensorBias::Answer::touches) text += " (" + off + "more than untouched)";
   return text;
 }
 
@@ -150,6 +161,11 @@ std::string LedRobot::at_work() const { return task_ ? name_ + " at " + task_->n
 
 void LedRobot::log_changes() {
   while (const auto change = thread_->take_change()) spdlog::log(level_of(change->to), "robot: {}", in_words(*change));
+  const SensorBias::Status& bias = thread_->newest().bias;
+  if (bias.answers != std::exchange(bias_answers_, bias.answers)) {
+    const bool learned = bias.answer == SensorBias::Answer::learned;
+    spdlog::log(learned ? spdlog::level::info : spdlog::level::warn, "robot: {}", in_words(bias));
+  }
   if (!is_lost() || std::exchange(told_lost_, true)) return;
   spdlog::error("robot: {}", loss_in_words(*thread_->guard(), at_work()));
 }

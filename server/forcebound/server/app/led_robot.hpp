@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -34,6 +35,9 @@ class LedRobot {
   /// Logs what changed since the last call.
   void log_changes();
 
+  /// Learn the bias of its force sensor now; what comes of it is logged.
+  void learn_bias() noexcept { thread_->learn_bias(); }
+
   /// Brings the robot to rest, ends its thread, and logs what changed meanwhile. To be called once no client leads it.
   void stop();
 
@@ -51,6 +55,7 @@ class LedRobot {
   std::optional<Task> task_;  ///< none: the robot has work of its own
   std::string name_{};        ///< of the robot
   bool told_lost_ = false;
+  std::uint64_t bias_answers_ = 0;  ///< logged
   std::shared_ptr<FollowerThread> thread_;
   std::shared_ptr<const FollowerLooks> looks_;
 };
@@ -60,6 +65,9 @@ class LedRobot {
 
 /// "following -> holding after 12.4 s; the leader was last heard 101 ms ago".
 [[nodiscard]] std::string in_words(const StateChange& change);
+
+/// "the sensor's bias is learned again: by 3 N other than before".
+[[nodiscard]] std::string in_words(const SensorBias::Status& bias);
 
 /// The numbers of a robot's run, a line for each subject.
 [[nodiscard]] std::string in_words(const FollowerThread::Outcome& outcome);

@@ -46,6 +46,7 @@ constexpr int kRobotPriority = 60;
 volatile std::sig_atomic_t interrupts = 0;
 volatile std::sig_atomic_t terminations = 0;
 volatile std::sig_atomic_t reloads = 0;
+volatile std::sig_atomic_t bias_commands = 0;
 
 void take_signals(bool reloadable, bool drives_robot) {
   const auto take = [](int signal, void (*handler)(int)) {
@@ -61,6 +62,7 @@ void take_signals(bool reloadable, bool drives_robot) {
   if (drives_robot) {
     take(SIGHUP, kTerminate);
     take(SIGQUIT, kTerminate);
+    take(SIGUSR1, [](int) { bias_commands = 1; });
   }
   // Otherwise it means that the terminal is gone.
   if (reloadable) take(SIGHUP, [](int) { reloads = 1; });
@@ -147,7 +149,7 @@ class Service {
       server_.turn();
       if (beside_.page != nullptr) beside_.page->turn(server_);
       if (beside_.fleet != nullptr) beside_.fleet->turn(server_.sessions());
-      if (beside_.robot != nullptr) beside_.robot->log_changes();
+      if (beside_.robot != nullptr) attend(*beside_.robot);
       if (server_.alive(clock_.now())) manager_.tell_alive(clock_.now());
       if (reloads != 0) reload_now();
       if (reloading_ && server_.settled()) tell_reloaded();
@@ -176,6 +178,12 @@ class Service {
                               text::counted(server_.sessions(), "session");
     spdlog::info("{}; a second SIGTERM ends at once", words);
     ServiceManager::tell_stopping(words);
+  }
+
+  static void attend(LedRobot& robot) {
+    if (bias_commands != 0) robot.learn_bias();
+    bias_commands = 0;
+    robot.log_changes();
   }
 
   void reload_now() {

@@ -82,6 +82,7 @@ Follower::Follower(std::unique_ptr<Robot> robot, const FollowerSettings& setting
       map_(settings.workspace),
       target_(settings.approach_m_per_s_max, settings.turn_rad_per_s_max),
       energy_({.power_scale = map_.power_scale(), .most_J = settings.store_J}),
+      bias_(robot_->force_sensor()),
       answers_(*robot_),
       given_(Vector::Zero(robot_->facts().joints())) {
   report_.map = map_;
@@ -131,7 +132,7 @@ void Follower::tick(Nanoseconds now) noexcept {
   given_ = given;
   refused_in_a_row_ = robot_->write_failed() && !robot_->is_stopped() ? refused_in_a_row_ + 1 : 0;
   note(request, given, now);
-  if (usable) picture(reading);
+  if (usable) picture(reading, now);
 }
 
 /// What the robot does on this tick. @return whether the reading can be used
@@ -143,6 +144,7 @@ bool Follower::judge(const device::Reading& reading, Nanoseconds now) noexcept {
   } else if (usable) {
     answers_.note(reading, given_);
   }
+  note_sensed(now);
   const auto sensed = bias_.without(robot_->sensed_force());
   const ImpedanceController::Report& tool = impedance_.report();
   const FollowerState before = engagement_.state();
@@ -179,6 +181,8 @@ bool Follower::judge(const device::Reading& reading, Nanoseconds now) noexcept {
       totals_.offset_drift_m += (map_.tool_of(*leader_).position - pose.position).norm();
     }
     begin_following(reading);
+    // After a silence it is the same operator, whose grip was his own meanwhile.
+    if (before != FollowerState::holding) grip_.begin(robot_->gripper());
   }
   return usable;
 }
@@ -252,7 +256,6 @@ Vector Follower::torque(const device::Reading& reading, Nanoseconds now) noexcep
   const double period_s = time::to_seconds(period_);
   const ToolPose tool = robot_->model().pose(reading.position);
   if (state == FollowerState::waiting) {
-    bias_.learn(robot_->sensed_force());
     if (!std::exchange(placed_, true)) {
       target_.restart(tool);
       map_.engage({.position = Vector::Zero(3)}, tool);  // for pictures, until somebody does
@@ -273,11 +276,22 @@ Vector Follower::torque(const device::Reading& reading, Nanoseconds now) noexcep
 
 void Follower::grip(Nanoseconds now) noexcept {
   const control::Handle& handle = leader_->handle;
-  if (handle.gripper) {
-    robot_->command_gripper(now, *handle.gripper);
-  } else if (handle.buttons) {
-    robot_->command_gripper(now, handle.pressed(settings_.grip_button) ? 0.0 : 1.0);
-  }
+  std::optional<double> wanted = handle.gripper;
+  if (!wanted && handle.buttons) wanted = handle.pressed(settings_.grip_button) ? 0.0 : 1.0;
+  const auto opening = wanted ? grip_.follow(*wanted) : std::nullopt;
+  if (opening) robot_->command_gripper(now, *opening);
+}
+
+void Follower::note_sensed(Nanoseconds now) noexcept {
+  const FollowerState state = engagement_.state();
+  const auto opening = robot_->gripper();
+  bias_.note({.now = now,
+              .sensed = robot_->sensed_force(),
+              .tool_m = impedance_.report().pose.position,
+              .waits = state == FollowerState::waiting,
+              .stands = state == FollowerState::stopped && robot_->is_stopped(),
+              .holds = opening && grip_.holds(*opening)});
+  report_.bias = bias_.status();
 }
 
 void Follower::note(const Vector& request, const Vector& given, Nanoseconds now) noexcept {
@@ -304,7 +318,12 @@ void Follower::note(const Vector& request, const Vector& given, Nanoseconds now)
   report_.leader_lost = leader_ && now - leader_->arrived > settings_.times.stop;
 }
 
-void Follower::picture(const device::Reading& reading) noexcept {
+std::optional<Nanoseconds> Follower::bias_age(Nanoseconds now) const noexcept {
+  const auto& learned = bias_.status().learned;
+  return learned ? std::optional(now - *learned) : std::nullopt;
+}
+
+void Follower::picture(const device::Reading& reading, Nanoseconds now) noexcept {
   const FollowerState state = engagement_.state();
   const Vector6 sensed = bias_.without(robot_->sensed_force()).value_or(Vector6::Zero());
   report_.picture = {.joint = reading.joint,
@@ -318,7 +337,9 @@ void Follower::picture(const device::Reading& reading) noexcept {
                      .drift_m = totals_.offset_drift_m,
                      .store_J = controller_.law().energy_J(),
                      .received_J = energy_.received_J(),
-                     .port = energy_.port()};
+                     .port = energy_.port(),
+                     .grip_waits = state == FollowerState::following && grip_.waits(),
+                     .bias_age = bias_age(now)};
 }
 
 FollowerTotals Follower::totals() const noexcept {

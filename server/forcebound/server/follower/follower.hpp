@@ -11,6 +11,7 @@
 #include "forcebound/device/command_times.hpp"
 #include "forcebound/server/follower/architecture.hpp"
 #include "forcebound/server/follower/engagement.hpp"
+#include "forcebound/server/follower/grip.hpp"
 #include "forcebound/server/follower/joint_answers.hpp"
 #include "forcebound/server/follower/leader_motion.hpp"
 #include "forcebound/server/follower/received_energy.hpp"
@@ -46,7 +47,9 @@ struct FollowerPicture {
   double drift_m = 0;                                   ///< FollowerTotals::offset_drift_m
   double store_J = 0;                                   ///< energy that the robot's law may spend
   double received_J = 0;
-  control::PassivityAudit port{};  ///< P_F and its least; only of robots that are audited
+  control::PassivityAudit port{};         ///< P_F and its least; only of robots that are audited
+  bool grip_waits = false;                ///< until the operator's grip has met where the gripper stands
+  std::optional<Nanoseconds> bias_age{};  ///< since the sensor's bias was learned
 };
 
 /// What a robot tells of itself on each tick, for answers to its leader.
@@ -56,6 +59,7 @@ struct FollowerReport {
   Reflection reflection{};
   WorkspaceMap map{{}};
   bool leader_lost = false;  ///< it was heard, and has been silent for so long that the robot stops
+  SensorBias::Status bias{};
   FollowerPicture picture{};
 };
 
@@ -84,8 +88,8 @@ struct FollowerTotals {
 /// The law is that of the device at the hand, in the robot's joints: the torques can never give the surroundings more
 /// energy than the robot's own joints dissipate and the leader's law gave up (ReceivedEnergy; README.md has the proof).
 ///
-/// `hear`, `leave` and `tick` are called on one thread. Time is given: the clock is asked only for how long choosing
-/// takes.
+/// `hear`, `leave`, `learn_bias` and `tick` are called on one thread. Time is given: the clock is asked only for how
+/// long choosing takes.
 ///
 /// Real time: `hear`, `leave` and `tick` are noexcept and allocate nothing.
 class Follower {
@@ -102,6 +106,9 @@ class Follower {
   void begin_leader() noexcept;
   void hear(const LeaderMotion& motion) noexcept;
   void leave() noexcept { leader_.reset(); }
+
+  /// Learn the bias of its force sensor now; the report's `bias` answers.
+  void learn_bias(Nanoseconds now) noexcept { bias_.command(now); }
 
   void tick(Nanoseconds now) noexcept;
 
@@ -123,9 +130,11 @@ class Follower {
   void begin_following(const device::Reading& reading) noexcept;
   [[nodiscard]] bool brakes_open(const device::Reading& reading, bool usable, Nanoseconds now) noexcept;
   [[nodiscard]] Vector torque(const device::Reading& reading, Nanoseconds now) noexcept;
-  void picture(const device::Reading& reading) noexcept;
+  void picture(const device::Reading& reading, Nanoseconds now) noexcept;
+  [[nodiscard]] std::optional<Nanoseconds> bias_age(Nanoseconds now) const noexcept;
   [[nodiscard]] Vector within_rate(const Vector& torque) const noexcept;
   void grip(Nanoseconds now) noexcept;
+  void note_sensed(Nanoseconds now) noexcept;
   void note(const Vector& request, const Vector& given, Nanoseconds now) noexcept;
 
   FollowerSettings settings_;
@@ -143,6 +152,7 @@ class Follower {
   ReceivedEnergy energy_;
   SensorBias bias_;
   JointAnswers answers_;
+  Grip grip_;
 
   std::optional<LeaderMotion> leader_;
   double leader_speed_m_per_s_ = 0;

@@ -17,7 +17,8 @@ namespace {
 using Kind = scene::VisiblePart::Kind;
 
 constexpr const char* kLeader = "leader";
-constexpr std::size_t kValuesMost = 17;
+constexpr std::size_t kValuesMost = 19;
+constexpr double kNever = -1;  // as an age
 
 Kind kind_of(LinkShape::Kind kind) noexcept {
   switch (kind) {
@@ -159,10 +160,10 @@ FollowerLooks::FollowerLooks(const RobotModel& model, const Task* task, const Fo
 }
 
 std::vector<std::string> FollowerLooks::value_names(bool is_audited) {
-  std::vector<std::string> names{"state",        "tool_x_m",     "tool_y_m",          "tool_z_m",
-                                 "force_x_N",    "force_y_N",    "force_z_N",         "torque_x_N_m",
-                                 "torque_y_N_m", "torque_z_N_m", "leader_has_clutch", "lag_m",
-                                 "drift_m",      "store_J",      "received_J"};
+  std::vector<std::string> names{
+      "state",     "tool_x_m",     "tool_y_m",     "tool_z_m",     "force_x_N",         "force_y_N",
+      "force_z_N", "torque_x_N_m", "torque_y_N_m", "torque_z_N_m", "leader_has_clutch", "lag_m",
+      "drift_m",   "store_J",      "received_J",   "grip_waits",   "bias_age_s"};
   if (is_audited) names.insert(names.end(), {"passivity_J", "least_passivity_J"});
   return names;
 }
@@ -227,6 +228,8 @@ std::size_t FollowerLooks::see_values(const FollowerReport& report, std::size_t 
                                                now.drift_m,
                                                now.store_J,
                                                now.received_J,
+                                               now.grip_waits ? 1.0 : 0.0,
+                                               now.bias_age ? time::to_seconds(*now.bias_age) : kNever,
                                                now.port.energy_J,
                                                now.port.minimum_J};
   std::size_t count = 0;

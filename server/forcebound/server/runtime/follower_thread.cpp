@@ -50,12 +50,12 @@ FollowerThread::~FollowerThread() {
 }
 
 void FollowerThread::begin_leader() noexcept {
-  tells_ = {.leader = tells_.leader + 1, .leads = true};
+  tells_ = {.leader = tells_.leader + 1, .leads = true, .bias_commands = tells_.bias_commands};
   told_.tell(tells_);
 }
 
 void FollowerThread::leave() noexcept {
-  tells_ = {.leader = tells_.leader + 1};
+  tells_ = {.leader = tells_.leader + 1, .bias_commands = tells_.bias_commands};
   told_.tell(tells_);
 }
 
@@ -73,6 +73,11 @@ const FollowerReport& FollowerThread::newest() noexcept {
   without_robot_.state = FollowerState::failed;
   without_robot_.share = 0;
   return without_robot_;
+}
+
+void FollowerThread::learn_bias() noexcept {
+  ++tells_.bias_commands;
+  told_.tell(tells_);
 }
 
 std::optional<StateChange> FollowerThread::take_change() noexcept {
@@ -110,7 +115,7 @@ void FollowerThread::run(const std::stop_token& stopping) {
   std::uint64_t allocations_before = 0;
   Nanoseconds now = timer.wait();
   for (; !stopping.stop_requested(); now = timer.wait()) {
-    hear();
+    hear(now);
     tick(now);
     if (++ticks == kSettlingTicks) allocations_before = time::heap_operations_of_this_thread();
   }
@@ -132,9 +137,10 @@ void FollowerThread::run(const std::stop_token& stopping) {
   over_ = true;
 }
 
-void FollowerThread::hear() noexcept {
+void FollowerThread::hear(Nanoseconds now) noexcept {
   const Told* const told = told_.take();
   if (told == nullptr) return;
+  if (told->bias_commands != std::exchange(bias_commands_, told->bias_commands)) follower_->learn_bias(now);
   if (told->leader != leader_) {
     leader_ = told->leader;
     heard_.reset();
@@ -161,7 +167,9 @@ void FollowerThread::note_state(Nanoseconds now) noexcept {
                      .at = now,
                      .lasted = now - state_since_,
                      .silent = heard_ ? std::optional(now - *heard_) : std::nullopt,
-                     .why_stopped = follower_->totals().why_stopped};
+                     .why_stopped = follower_->totals().why_stopped,
+                     .grip_waits = follower_->report().picture.grip_waits,
+                     .bias_age = follower_->report().picture.bias_age};
   if (change.by_robot()) {
     const std::string_view said = follower_->robot().last_error();
     std::copy_n(said.begin(), std::min(said.size(), change.said.size() - 1), change.said.begin());

@@ -32,6 +32,8 @@ struct StateChange {
   std::optional<Nanoseconds> silent{};  ///< since the leader was last heard; none: nobody leads
   std::string_view why_stopped{};       ///< last, in a few words; empty: it never did. Static text
   std::array<char, 160> said{};         ///< by the robot, where it failed or stopped by itself; ends with a zero
+  bool grip_waits = false;                ///< the gripper, until the operator's own grip has met where it stands
+  std::optional<Nanoseconds> bias_age{};  ///< since its force sensor's bias was learned
 
   /// Whether it was the robot that ended its work.
   [[nodiscard]] bool by_robot() const noexcept {
@@ -83,6 +85,9 @@ class FollowerThread final : public FollowerRunner {
   const FollowerReport& exchange(const LeaderMotion& motion) noexcept override;
   const FollowerReport& newest() noexcept override;
 
+  /// Learn the bias of the robot's force sensor now; the report's `bias` answers.
+  void learn_bias() noexcept;
+
   /// The oldest change of state that was not taken yet.
   [[nodiscard]] std::optional<StateChange> take_change() noexcept;
 
@@ -110,11 +115,12 @@ class FollowerThread final : public FollowerRunner {
     bool leads = false;
     bool moved = false;
     LeaderMotion motion{};
+    std::uint64_t bias_commands = 0;  ///< to learn the sensor's bias, so far
   };
   struct Changes;
 
   void run(const std::stop_token& stopping);
-  void hear() noexcept;
+  void hear(Nanoseconds now) noexcept;
   void tick(Nanoseconds now) noexcept;
   void note_state(Nanoseconds now) noexcept;
 
@@ -140,6 +146,7 @@ class FollowerThread final : public FollowerRunner {
   // Of the robot's thread, until it has ended.
   std::unique_ptr<Follower> follower_;
   std::uint64_t leader_ = 0;
+  std::uint64_t bias_commands_ = 0;
   std::optional<Nanoseconds> heard_;
   FollowerState state_ = FollowerState::waiting;
   Nanoseconds state_since_{0};

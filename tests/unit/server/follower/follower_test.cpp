@@ -254,6 +254,167 @@ TEST(Follower, AnotherLeaderHasToEngage) {
   EXPECT_NE(led.follower->report().state, FollowerState::following);
 }
 
+/// Of a device that has an opening, or of one that has buttons.
+void set_grip(LeaderMotion& leader, bool by_button, bool closed) {
+  if (by_button) {
+    leader.handle.buttons = closed ? 2 : 0;
+  } else {
+    leader.handle.gripper = closed ? 0 : 1;
+  }
+}
+
+/// Another operator, whose grip is open: he keeps still, or presses and releases the clutch.
+void change_operator(Led& led, bool by_button) {
+  led.follower->leave();
+  led.run(1s, nullptr);
+  ASSERT_EQ(led.follower->report().state, FollowerState::stopped);
+  led.follower->begin_leader();
+  led.run(100ms, [&](double t, LeaderMotion& leader) {
+    leader.position[1] = t;
+    set_grip(leader, by_button, false);
+    if (by_button) *leader.handle.buttons |= 1;
+  });
+  led.run(1s, [&](double, LeaderMotion& leader) { set_grip(leader, by_button, false); });
+  ASSERT_EQ(led.follower->report().state, FollowerState::following);
+}
+
+TEST(Follower, KeepsWhatItHoldsUntilTheNextOperatorsGripHasMetWhereItStands) {
+  for (const bool by_button : {false, true}) {
+    SCOPED_TRACE(by_button ? "by button" : "by opening");
+    Led led({.architecture = "position-position"});
+    const auto hold = [&](bool closed) {
+      return [=](double, LeaderMotion& leader) { set_grip(leader, by_button, closed); };
+    };
+    if (by_button) led.run(500ms, [](double, LeaderMotion& leader) { leader.handle.buttons = 1; });
+    led.run(1s, hold(false));
+    ASSERT_EQ(led.follower->report().state, FollowerState::following);
+    EXPECT_EQ(led.robot->gripper(), 1);
+    led.robot->held_opening = 0.3;
+    led.run(1s, hold(true));
+    ASSERT_EQ(led.robot->gripper_command, 0) << "it squeezes";
+
+    change_operator(led, by_button);
+    EXPECT_EQ(led.robot->gripper_command, 0) << "it still holds";
+    EXPECT_TRUE(led.follower->report().picture.grip_waits);
+    led.run(100ms, hold(true));
+    EXPECT_EQ(led.robot->gripper_command, 0);
+    EXPECT_FALSE(led.follower->report().picture.grip_waits);
+    led.run(100ms, hold(false));
+    EXPECT_EQ(led.robot->gripper_command, 1) << "let go by whom it obeys";
+  }
+}
+
+TEST(Follower, KeepsWhatItHoldsWhereTheGripWasLetGoWhileTheClutchWasPressed) {
+  Led led({.architecture = "position-position"});
+  const auto press = [](std::uint32_t buttons) {
+    return [=](double, LeaderMotion& leader) { leader.handle.buttons = buttons; };
+  };
+  for (const std::uint32_t buttons : {1U, 0U, 2U, 3U, 1U, 0U}) led.run(200ms, press(buttons));
+  ASSERT_EQ(led.follower->report().state, FollowerState::following);
+  EXPECT_EQ(led.robot->gripper_command, 0);
+}
+
+TEST(Follower, GoesOnWithTheGripOfAnOperatorWhoWasSilentForAWhile) {
+  Led led({.architecture = "position-position"});
+  led.leader.handle.gripper = 1;
+  led.engage();
+  led.run(150ms, nullptr);
+  ASSERT_EQ(led.follower->report().state, FollowerState::holding);
+  led.run(100ms, [](double, LeaderMotion& leader) { leader.handle.gripper = 0; });
+  ASSERT_EQ(led.follower->report().state, FollowerState::following);
+  EXPECT_EQ(led.robot->gripper_command, 0) << "he closed it meanwhile";
+}
+
+/// The next operator in free space after the one who is there: what he feels of the sensor.
+double felt_in_free_space_N(Led& led) {
+  led.follower->leave();
+  led.run(3s, nullptr);
+  EXPECT_EQ(led.follower->report().state, FollowerState::stopped);
+  led.follower->begin_leader();
+  led.run(200ms, [](double t, LeaderMotion& leader) { leader.position[1] = t; });
+  led.run(1s, [](double, LeaderMotion&) {});
+  EXPECT_EQ(led.follower->report().state, FollowerState::following);
+  const FollowerReport& report = led.follower->report();
+  return report.map.to_leader_N(report.reflection.at(report.picture.tool.position)).norm();
+}
+
+TEST(Follower, DoesNotReflectDriftOfItsSensorToTheNextOperator) {
+  for (const bool while_led : {false, true}) {
+    SCOPED_TRACE(while_led ? "drifts while it is led" : "drifts while it stands");
+    Led led({.architecture = "position-force"});
+    led.engage();
+    const auto drift = [&](double t) { led.robot->drift_N = {0, 0.05 * t, 0.29 * t}; };
+    if (while_led) {
+      led.run(10s, [&](double t, LeaderMotion& leader) {
+        drift(t);
+        leader.position = Eigen::Vector3d(0, 0.01, 0.04) * std::sin(2 * t);
+      });
+    } else {
+      led.follower->leave();
+      led.run(1s, nullptr);
+      for (int ms = 0; ms < 10'000; ++ms) {
+        drift(1e-3 * ms);
+        led.run(1ms, nullptr);
+      }
+    }
+    ASSERT_GT(led.robot->drift_N.norm(), 2.9);
+    EXPECT_LT(felt_in_free_space_N(led), 0.1);
+    EXPECT_LT(*led.follower->report().picture.bias_age, 2s);
+  }
+}
+
+TEST(Follower, DoesNotTakeTheForceThatItPressesWithForBias) {
+  Led led({.architecture = "position-force"});
+  led.engage();
+  // Onto the wall, and sliding along it.
+  led.run(3s, [](double t, LeaderMotion& leader) {
+    leader.position[0] = 0.022 * std::min(t, 1.0);
+    leader.position[2] = 0.03 * std::max(0.0, t - 1);
+  });
+  const double pressed_N = led.robot->sensed_force()->force_N[0];
+  ASSERT_GT(pressed_N, 2);
+  led.follower->learn_bias(led.now);
+  led.run(10ms, [](double, LeaderMotion&) {});
+  EXPECT_EQ(led.follower->report().bias.answer, SensorBias::Answer::touches);
+  EXPECT_NEAR(led.follower->report().bias.off_N, pressed_N, 1);
+  led.robot->drift_N = {3, 0, 0};  // as if somebody else pushed it on
+  led.follower->leave();
+  led.run(3s, nullptr);
+  ASSERT_EQ(led.follower->report().state, FollowerState::stopped);
+  led.robot->drift_N.setZero();
+  led.follower->learn_bias(led.now);
+  led.run(10ms, nullptr);
+  EXPECT_EQ(led.follower->report().bias.answers, 2U);
+  EXPECT_EQ(led.follower->report().bias.answer, SensorBias::Answer::touches);
+  EXPECT_GT(*led.follower->report().picture.bias_age, 5s) << "nothing was learned since it engaged";
+}
+
+TEST(Follower, LearnsItsSensorsBiasWhenItIsTold) {
+  Led led({.architecture = "position-force"});
+  led.engage();
+  led.robot->drift_N = {0, 0, 3};
+  led.follower->learn_bias(led.now);
+  led.run(500ms, [](double, LeaderMotion&) {});
+  EXPECT_EQ(led.follower->report().bias.answer, SensorBias::Answer::touches) << "a step may be a touch";
+  led.run(500ms, [](double t, LeaderMotion& leader) { leader.position[2] = 0.05 * std::min(1.0, 2 * t); });
+  led.follower->learn_bias(led.now);
+  led.run(500ms, [](double, LeaderMotion&) {});
+  EXPECT_EQ(led.follower->report().bias.answer, SensorBias::Answer::learned) << "no touch is the same 2 cm along it";
+  EXPECT_NEAR(led.follower->report().bias.off_N, 3, 1e-6);
+  EXPECT_LT(led.follower->report().picture.sensed_N.norm(), 1e-6);
+  led.robot->held_opening = 0.3;
+  led.run(10ms, [](double, LeaderMotion& leader) { leader.handle.gripper = 1; });
+  led.run(10ms, [](double, LeaderMotion& leader) { leader.handle.gripper = 0; });
+  led.follower->learn_bias(led.now);
+  led.run(10ms, [](double, LeaderMotion&) {});
+  EXPECT_EQ(led.follower->report().bias.answer, SensorBias::Answer::holds);
+
+  Led without({.architecture = "position-position"}, {.has_sensor = false});
+  without.follower->learn_bias(without.now);
+  without.run(10ms, nullptr);
+  EXPECT_EQ(without.follower->report().bias.answer, SensorBias::Answer::no_sensor);
+}
+
 TEST(Follower, AMotionThatNoHandCanMakeIsRefused) {
   Led led({.architecture = "position-position"});
   led.engage();
@@ -316,20 +477,6 @@ TEST(FollowerEnvironment, ShowsTorqueToWhoCanFeelIt) {
   EXPECT_EQ(torque_of(true, false).rows(), 0);
   runner->report.reflection.torque_N_m_max = 0;
   EXPECT_EQ(torque_of(true, true).rows(), 0) << "of an architecture that shows none";
-}
-
-TEST(SensorBias, IsThatOfForceAndTorqueWhileItLearns) {
-  SensorBias bias;
-  for (int ms = 1; ms <= 100; ++ms) {
-    const double noise = ms % 2 == 0 ? 0.1 : -0.1;
-    bias.learn(SensedForce{.force_N = {1 + noise, 2, 3}, .torque_N_m = {0.1, 0.2 + noise, 0.3}, .sampled = ms * 1ms});
-  }
-  const auto left = bias.without(SensedForce{.force_N = {1, 2, 8}, .torque_N_m = {0.1, 0.7, 0.3}, .sampled = 1s});
-  Vector6 expected;
-  expected << 0, 0, 5, 0, 0.5, 0;
-  ASSERT_TRUE(left);
-  EXPECT_LT((*left - expected).norm(), 1e-9);
-  EXPECT_FALSE(bias.without(std::nullopt));
 }
 
 TEST(FollowerEnvironment, SaysThatAnotherDeviceTookTheRobot) {
