@@ -95,6 +95,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(Broken{"sign", "force along +x", "moved -"}, Broken{"units", "units along x", "moves like"},
                     Broken{"axes", "force along +x", "along z"}, Broken{"clock", "reading times", "latched more than"},
                     Broken{"backwards", "times run forward", "ran backwards"}, Broken{"jitter", "jitter", "old"},
+                    Broken{"ahead", "times run forward", "1000 of 1000"},
                     Broken{"seldom", "rate", "80 %"}, Broken{"fails", "last error", "without a reason"},
                     Broken{"write", "commands", "failed"}, Broken{"holds", "hold time", "m/s"},
                     Broken{"blocks", "calls in time", "blocked"}, Broken{"drift", "rest at zero force", "moved"},

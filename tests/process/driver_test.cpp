@@ -43,7 +43,7 @@ class FaultyDriver : public testing::Test {
     return counts;
   }
 
-  void expect_no_force_while(const std::string& file, const std::string& why) {
+  void expect_no_force_while(const std::string& file, const std::string& why, const std::string& counted) {
     write_file(folder.file(file), "");
     EXPECT_TRUE(client->wait_for("no readings of the device, and no force until there are: " + why));
     std::filesystem::remove(folder.file(file));
@@ -52,7 +52,7 @@ class FaultyDriver : public testing::Test {
     const auto [after_good, after_bad] = forces();
     EXPECT_GT(after_good, 0);
     EXPECT_EQ(after_bad, 0) << "a force without a reading";
-    EXPECT_THAT(unwrapped(client->out()), HasSubstr(" failed device reading"));
+    EXPECT_THAT(unwrapped(client->out()), HasSubstr(counted));
   }
 
   /// The client ends by itself, says so, and has stopped the device.
@@ -71,22 +71,27 @@ class FaultyDriver : public testing::Test {
 
 TEST_F(FaultyDriver, PositionsThatAreNoNumbersAreNoForce) {
   begin("nan");
-  expect_no_force_while("fault", "its reading has numbers that are not finite");
+  expect_no_force_while("fault", "its reading has numbers that are not finite", " with numbers that are not finite: no force");
 }
 
 TEST_F(FaultyDriver, TimesThatRunBackwardsAreNoForce) {
   begin("backwards");
-  expect_no_force_while("fault", "its readings run backwards in time");
+  expect_no_force_while("fault", "its readings run backwards in time", " that ran backwards in time: no force");
+}
+
+TEST_F(FaultyDriver, TimesAMillisecondInTheFutureAreNoForce) {
+  begin("ahead");
+  expect_no_force_while("fault", "its reading was latched in the future", " latched in the future: no force");
 }
 
 TEST_F(FaultyDriver, ReadingsThatFailAreNoForce) {
   begin("fails");
-  expect_no_force_while("fault", "no reading");
+  expect_no_force_while("fault", "no reading", " failed device reading");
 }
 
 TEST_F(FaultyDriver, ADeviceThatIsUnpluggedHasNoForce) {
   begin("none");
-  expect_no_force_while("unplugged", "the device is unplugged");
+  expect_no_force_while("unplugged", "the device is unplugged", " failed device reading");
 }
 
 TEST_F(FaultyDriver, AReadThatDoesNotReturnEndsTheClientAndStopsTheDevice) {

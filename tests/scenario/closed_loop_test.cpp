@@ -222,7 +222,7 @@ TEST(ClosedLoop, ADeviceThatHasNotANewReadingOnEachTickIsFeltAndPassive) {
   EXPECT_EQ(all_new["faults"]["stale_readings"], 0);
   EXPECT_NEAR(some_stale["faults"]["stale_readings"], 400, 80);
   // The device holds a force for 2 ms: two of them in a row are too long.
-  EXPECT_LT(some_stale["faults"]["non_finite_readings"], 0.02 * 4000);
+  EXPECT_LT(some_stale["faults"]["refused_stale"], 0.02 * 4000);
   EXPECT_GE(some_stale["passivity"]["minimum_J"], -1e-9);
   EXPECT_GT(some_stale["force_N"]["mean"], 0.9 * all_new["force_N"]["mean"].get<double>());
 }

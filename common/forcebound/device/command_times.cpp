@@ -63,7 +63,9 @@ bool CommandTimes::is_held_on(const Reading& reading, Nanoseconds now) const noe
 
 Reading usable_or_lost(Reading reading, const control::DeviceFacts& facts, Nanoseconds now,
                        Nanoseconds latest) noexcept {
-  if (is_usable(reading, facts) && reading.latched <= latest) return reading;
+  reading.status = status_of(reading, facts.degrees_of_freedom(), facts.joints(), facts.rotations);
+  if (reading.status == Reading::Status::ok && reading.latched > latest) reading.status = Reading::Status::future;
+  if (reading.status == Reading::Status::ok) return reading;
   const double unknown = std::numeric_limits<double>::quiet_NaN();
   reading.position = Vector::Constant(facts.translations(), unknown);
   reading.joint = Vector::Constant(facts.joints(), unknown);

@@ -53,8 +53,9 @@ class CommandTimes {
   Eigen::Vector3d turned_rad_ = Eigen::Vector3d::Zero();  // sum of the rotation vectors until then
 };
 
-/// A reading that a law may use, or in its place one that is lost: not a number, latched at `now`.
-/// @param latest by the caller's clock: no reading was latched later
+/// A reading that a law may use, or in its place one that is lost: not a number, latched at `now`, and with the reason
+/// why it is refused as its status. All that drive a device, or check one, let this decide.
+/// @param latest by the caller's clock once the reading was there: none was latched later
 [[nodiscard]] Reading usable_or_lost(Reading reading, const control::DeviceFacts& facts, Nanoseconds now,
                                      Nanoseconds latest) noexcept;
 

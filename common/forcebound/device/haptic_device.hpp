@@ -9,6 +9,7 @@
 #include "forcebound/control/damping.hpp"
 #include "forcebound/control/device_facts.hpp"
 #include "forcebound/control/handle.hpp"
+#include "forcebound/control/reading_status.hpp"
 #include "forcebound/control/vector.hpp"
 #include "forcebound/device/safety.hpp"
 #include "forcebound/time/clock.hpp"
@@ -26,11 +27,7 @@ using time::Nanoseconds;
 /// Only an `ok` reading is used. A stale reading does not mean that the device stands still: its motion since then is
 /// unknown, so a law must charge the worst case.
 struct Reading {
-  enum class Status : std::uint8_t {
-    ok,
-    failed,  ///< the device returned no reading
-    stale,   ///< encoder values of an earlier reading
-  };
+  using Status = control::ReadingStatus;
 
   Vector joint;                               ///< encoder readings [m] or [rad], a row for each joint
   Vector position;                            ///< of the tip, from `joint` by the kinematics [m], scene frame
@@ -41,14 +38,20 @@ struct Reading {
   Handle handle{};  ///< buttons, gripper and orientation, where there are any; all that is there can be true
 };
 
-/// Whether a law may use it: ok, and finite numbers of the right sizes.
+/// Whether a law may use it, whenever it was latched: what the device says, and else finite numbers of the right sizes.
+[[nodiscard]] inline Reading::Status status_of(const Reading& reading, int degrees_of_freedom, int joints,
+                                               int rotations = 0) noexcept {
+  if (reading.status != Reading::Status::ok) return reading.status;
+  if (rotations > 0 && !reading.handle.orientation) return Reading::Status::no_orientation;
+  const auto fits = [](const auto& rows, int expected) { return rows.rows() == expected && rows.allFinite(); };
+  const bool complete = fits(reading.position, degrees_of_freedom - rotations) && fits(reading.joint, joints) &&
+                        fits(reading.jacobian, degrees_of_freedom) && reading.jacobian.cols() == joints &&
+                        reading.damping != nullptr;
+  return complete ? Reading::Status::ok : Reading::Status::incomplete;
+}
 [[nodiscard]] inline bool is_usable(const Reading& reading, int degrees_of_freedom, int joints,
                                     int rotations = 0) noexcept {
-  const auto fits = [](const auto& rows, int expected) { return rows.rows() == expected && rows.allFinite(); };
-  return reading.status == Reading::Status::ok && fits(reading.position, degrees_of_freedom - rotations) &&
-         fits(reading.joint, joints) && fits(reading.jacobian, degrees_of_freedom) &&
-         reading.jacobian.cols() == joints && reading.damping != nullptr &&
-         (rotations == 0 || reading.handle.orientation.has_value());
+  return status_of(reading, degrees_of_freedom, joints, rotations) == Reading::Status::ok;
 }
 /// As above, of a device with these facts.
 [[nodiscard]] inline bool is_usable(const Reading& reading, const control::DeviceFacts& facts) noexcept {
@@ -66,7 +69,6 @@ struct DeviceCounters {
   std::uint64_t frozen_joints = 0;    ///< simulated: more stick-slip events in 1 ms than it resolves
   std::uint64_t gaps_cut = 0;         ///< simulated: pauses between two calls too long to simulate in full
   std::uint64_t handle_refused = 0;   ///< orientations and gripper openings that cannot be true: taken for absent
-  std::uint64_t times_refused = 0;    ///< readings whose time ran backwards or lay in the future: failed ones
   std::uint64_t unexplained = 0;      ///< failed calls for which the driver gave no reason
 };
 

@@ -112,14 +112,8 @@ device::Reading DriverDevice::read(Nanoseconds now) noexcept {
 device::Reading DriverDevice::reading_of(const forcebound_reading& told, Nanoseconds now) noexcept {
   const int dof = facts_.degrees_of_freedom();
   const Nanoseconds latched{told.latched_ns};
-  using Verdict = ReadingTimes::Verdict;
-  const Verdict verdict = times_.judge(latched, now);
-  if (verdict == Verdict::same) return without_reading(device::Reading::Status::stale);
-  if (verdict != Verdict::newer) {
-    ++counters_.times_refused;
-    opened_.note_error(ReadingTimes::in_words(verdict));
-    return without_reading(device::Reading::Status::failed);
-  }
+  const device::Reading::Status in_time = times_.judge(latched, now);
+  if (in_time != device::Reading::Status::ok) return without_reading(in_time);
   device::Reading reading;
   reading.latched = latched;
   reading.position = Eigen::Map<const Eigen::VectorXd>(told.position_m, facts_.translations());
@@ -139,12 +133,8 @@ device::Reading DriverDevice::reading_of(const forcebound_reading& told, Nanosec
     counters_.handle_refused += static_cast<std::uint64_t>(handle.refused);
     opened_.note_error("its orientation is no unit quaternion, or its gripper is not within 0 to 1");
   }
-  if (!device::is_usable(reading, facts_)) {
-    opened_.note_error(facts_.rotations > 0 && !reading.handle.orientation
-                           ? "its reading has no orientation, which a device that shows torques must tell"
-                           : "its reading has numbers that are not finite");
-    return without_reading(device::Reading::Status::failed);
-  }
+  const device::Reading::Status status = device::status_of(reading, dof, facts_.joints(), facts_.rotations);
+  if (status != device::Reading::Status::ok) return without_reading(status);
   times_.accept(latched);
   return reading;
 }
@@ -156,7 +146,9 @@ void DriverDevice::note_reports(const forcebound_reading& told) noexcept {
   released_at_ = told.released_ns > 0 ? std::optional(Nanoseconds{told.released_ns}) : std::nullopt;
 }
 
-device::Reading DriverDevice::without_reading(device::Reading::Status status) const noexcept {
+device::Reading DriverDevice::without_reading(device::Reading::Status status) noexcept {
+  const bool told = status == device::Reading::Status::stale || status == device::Reading::Status::failed;
+  if (!told) opened_.note_error(control::why(status));
   const int dof = facts_.degrees_of_freedom();
   return {.joint = Vector::Zero(dof),
           .position = Vector::Zero(facts_.translations()),

@@ -18,7 +18,7 @@ using time::Nanoseconds;
 /// A device behind a driver of forcebound_device.h.
 ///
 /// What a driver returns is checked before it is used: numbers that are not finite, stamps that run backwards or lie in
-/// the future, and a driver that throws are failed readings, each counted, and a reading that is not new is stale.
+/// the future, and a driver that throws are readings that are refused, and a reading that is not new is stale.
 /// Without a usable reading the law commands no force. An orientation or gripper opening that cannot be true is absent
 /// from the reading, and counted (control::sound); the rest of that reading counts.
 class DriverDevice final : public device::HapticDevice {
@@ -47,7 +47,7 @@ class DriverDevice final : public device::HapticDevice {
 
  private:
   [[nodiscard]] const forcebound_driver& driver() const noexcept { return opened_.functions(); }
-  [[nodiscard]] device::Reading without_reading(device::Reading::Status status) const noexcept;
+  [[nodiscard]] device::Reading without_reading(device::Reading::Status status) noexcept;
   [[nodiscard]] device::Reading reading_of(const forcebound_reading& told, Nanoseconds now) noexcept;
   void note_reports(const forcebound_reading& told) noexcept;
 

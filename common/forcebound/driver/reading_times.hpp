@@ -2,8 +2,8 @@
 
 #include <chrono>
 #include <optional>
-#include <string_view>
 
+#include "forcebound/control/reading_status.hpp"
 #include "forcebound/time/clock.hpp"
 
 namespace forcebound::driver {
@@ -13,25 +13,20 @@ using time::Nanoseconds;
 /// When readings were latched, as a driver says, checked: such times never run backwards and are not in the future.
 class ReadingTimes {
  public:
-  enum class Verdict { newer, same, backwards, future };
-
-  /// `now` was read before the encoders were: by so much at most.
+  /// `now` was read before the encoders were: by so much at most. Who has a clock looks closer
+  /// (device::usable_or_lost); this is lest one stamp that is far off makes all that follow run backwards.
   static constexpr Nanoseconds kAhead = std::chrono::milliseconds{1};
 
-  [[nodiscard]] Verdict judge(Nanoseconds latched, Nanoseconds now) const noexcept {
-    if (newest_ && latched < *newest_) return Verdict::backwards;
-    if (latched > now + kAhead) return Verdict::future;
-    return newest_ && latched == *newest_ ? Verdict::same : Verdict::newer;
+  /// @return ok: it is newer than all before
+  [[nodiscard]] control::ReadingStatus judge(Nanoseconds latched, Nanoseconds now) const noexcept {
+    if (newest_ && latched < *newest_) return control::ReadingStatus::backwards;
+    if (latched > now + kAhead) return control::ReadingStatus::future;
+    return newest_ && latched == *newest_ ? control::ReadingStatus::stale : control::ReadingStatus::ok;
   }
   void accept(Nanoseconds latched) noexcept { newest_ = latched; }
 
   /// Of what was accepted.
   [[nodiscard]] std::optional<Nanoseconds> newest() const noexcept { return newest_; }
-
-  [[nodiscard]] static std::string_view in_words(Verdict verdict) noexcept {
-    return verdict == Verdict::backwards ? "its readings run backwards in time"
-                                         : "its reading was latched in the future";
-  }
 
  private:
   std::optional<Nanoseconds> newest_;

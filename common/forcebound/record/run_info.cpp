@@ -61,7 +61,10 @@ void each_total(Totals& totals, Visit&& visit) {
   }
   visit("foreign_session", totals.foreign_session);
   visit("non_finite_requests", totals.non_finite_requests);
-  visit("non_finite_readings", totals.non_finite_readings);
+  for (const control::ReadingStatusRow& row : control::kReadingStatuses) {
+    if (row.status != control::ReadingStatus::ok)
+      visit(std::string("refused_") + row.name, totals.readings[row.status]);
+  }
   visit("readings_too_far", totals.readings_too_far);
   visit("failed_writes", totals.failed_writes);
   visit("effects_outside_facts", totals.effects_outside_facts);
@@ -259,7 +262,7 @@ std::string words_of(const MotionFates& fates) {
 }
 
 std::vector<Fault> faults_of(const RunTotals& t) {
-  return {
+  std::vector<Fault> faults{
       {"malformed_oversize", t.malformed[0], "datagram longer than the protocol allows",
        "datagrams longer than the protocol allows"},
       {"malformed_truncated", t.malformed[1], "datagram shorter than a frame header",
@@ -275,8 +278,6 @@ std::vector<Fault> faults_of(const RunTotals& t) {
        "datagrams of another session or sender"},
       {"non_finite_requests", t.non_finite_requests, "force asked for that was not finite, shown as zero",
        "forces asked for that were not finite, shown as zero"},
-      {"non_finite_readings", t.non_finite_readings, "failed device reading, shown as zero force",
-       "failed device readings, shown as zero force"},
       {"readings_too_far", t.readings_too_far, "reading further away than the device can be, shown as zero force",
        "readings further away than the device can be, shown as zero force"},
       {"failed_writes", t.failed_writes, "command that may not have reached the motors",
@@ -354,6 +355,11 @@ std::vector<Fault> faults_of(const RunTotals& t) {
        "records missing: the recorder's queue was full"},
       {"recording_unwritten", t.recording_unwritten, "record missing: it could not be written",
        "records missing: they could not be written"}};
+  for (const control::ReadingStatusRow& row : control::kReadingStatuses) {
+    if (row.status == control::ReadingStatus::ok) continue;
+    faults.push_back({std::string("refused_") + row.name, t.readings[row.status], row.one, row.many});
+  }
+  return faults;
 }
 
 }  // namespace forcebound::record

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "forcebound/control/reading_status.hpp"
 #include "forcebound/record/blackout.hpp"
 #include "forcebound/time/clock.hpp"
 #include "forcebound/wire/codec.hpp"
@@ -75,7 +76,7 @@ struct RunTotals {
   std::array<std::uint64_t, wire::kMalformedReasons> malformed{};  ///< datagrams dropped, by wire::Malformed
   std::uint64_t foreign_session = 0;                               ///< well-formed, but of another session or sender
   std::uint64_t non_finite_requests = 0;
-  std::uint64_t non_finite_readings = 0;
+  control::ReadingCounts readings{};         ///< of each status that is refused: no force
   std::uint64_t readings_too_far = 0;        ///< further than the device can be so soon: taken for lost
   std::uint64_t failed_writes = 0;           ///< commands that may not have reached the motors
   std::uint64_t effects_outside_facts = 0;   ///< reported by the device before the command, or not when its facts allow
@@ -155,7 +156,7 @@ RunTotals run_totals_from(const KeyValues& recorded, std::string* problem = null
 
 /// The fault counts, each with its name in the summary and its meaning.
 struct Fault {
-  const char* name;
+  std::string name;
   std::uint64_t count;
   const char* one;   ///< "tick left out: the loop woke too late for it"
   const char* many;  ///< the same for any other count

@@ -53,6 +53,7 @@ static const char* const kFaults[] = {
     "axes",       /* forces along the next axis */
     "clock",      /* times in milliseconds */
     "backwards",  /* times that run backwards, in six of seven readings */
+    "ahead",      /* times 1 ms in the future */
     "jitter",     /* readings of very different ages */
     "seldom",     /* a new reading in one of five ticks */
     "fails",      /* readings that fail without a reason */
@@ -197,6 +198,7 @@ static int64_t latched_ns(const forcebound_device* rails, int64_t now_ns) {
   if (is(rails, "seldom") && rails->readings % 5 != 0) return rails->latched_ns;
   if (is(rails, "backwards") && misbehaves_now(rails) && (rails->control[0] != '\0' || rails->readings % 7 != 0))
     return now_ns - 5000 * ms;
+  if (is(rails, "ahead") && misbehaves_now(rails)) return now_ns + ms;
   return now_ns;
 }
 
@@ -214,7 +216,7 @@ static int faulty_read(forcebound_device* rails, int64_t now_ns, forcebound_read
   ++rails->readings;
   rails->latched_ns = reading->latched_ns = latched_ns(rails, now_ns);
   for (i = 0; i < AXES; ++i) reading->position_m[i] = scale * rails->position_m[i];
-  rails->misread = reading->latched_ns < now_ns;
+  rails->misread = reading->latched_ns != now_ns;
   if (!misbehaves_now(rails)) return FORCEBOUND_OK;
   if (is(rails, "crash")) abort();
   if (is(rails, "hang-read")) hang();

@@ -98,10 +98,11 @@ TEST(HapticDevice, ReadingIsUsableOnlyIfOkFiniteAndOfTheRightSize) {
   const Reading good = device.read(std::chrono::seconds{1});
   EXPECT_TRUE(is_usable(good, 2));
   EXPECT_FALSE(is_usable(good, 3));
-  for (const auto status : {Reading::Status::failed, Reading::Status::stale}) {
+  for (const control::ReadingStatusRow& row : control::kReadingStatuses) {
     Reading reading = good;
-    reading.status = status;
-    EXPECT_FALSE(is_usable(reading, 2));
+    reading.status = row.status;
+    EXPECT_EQ(is_usable(reading, 2), row.status == Reading::Status::ok) << row.name;
+    EXPECT_FALSE(control::why(row.status).empty());
   }
   Reading infinite = good;
   infinite.joint[1] = std::numeric_limits<double>::infinity();

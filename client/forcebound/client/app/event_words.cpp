@@ -64,8 +64,7 @@ EventWords words_of(const Event& event) {
     case Event::Kind::limited_for_safety:
       return {warn, std::string(event.words())};
     case Event::Kind::device_gone:
-      return {warn, fmt::format("no readings of the device, and no force until there are: {}",
-                                event.words().empty() ? "no reason given" : event.words())};
+      return {warn, fmt::format("no readings of the device, and no force until there are: {}", event.words())};
     case Event::Kind::no_torque:
       return {info, fmt::format("device {} tracks orientation, shows no torque", event.words())};
     case Event::Kind::device_back:

@@ -26,7 +26,7 @@ struct Event {
     scene_here,          ///< all pieces of the scene that runs at the client have arrived
     scene_refused,       ///< the scene that the server handed over; text: the error
     limited_for_safety,  ///< a limit for the hand began to act; text: which, and what ends it
-    device_gone,         ///< the device gives no readings; text: what its driver says of it, or nothing
+    device_gone,         ///< the device gives no readings; text: why
     no_torque,           ///< the device tells its orientation, but has no motors to turn it; text: its name
     device_back,         ///< it does again; `duration` is the time without
     follower_changed,    ///< the robot at the far end does something else: `follower`; text: how the operator engages

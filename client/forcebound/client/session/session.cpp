@@ -86,13 +86,14 @@ void Session::tick(Nanoseconds now) noexcept {
   Done done{.reading = read_device(now)};
   const device::Reading& reading = done.reading;
   const bool readable = reading.position.allFinite();
-  tell_of_device(reading.status, readable, now);
+  tell_of_device(reading.status, now);
   if (times_.is_held_on(reading, now)) {
     ++counts_.stale_readings;
     receive_all(now);
     keep_connected(now);
     return;
   }
+  ++counts_.readings[reading.status];
   tell_of_torque(reading, now);
   done.arm_m = tool_.arm_m(reading.handle.orientation);
   done.tip = tip_of(reading.position, done.arm_m);
@@ -134,11 +135,12 @@ device::Reading Session::read_device(Nanoseconds now) noexcept {
   return device::usable_or_lost(reading, device_.facts(), now, std::max(now, clock_.now()));
 }
 
-void Session::tell_of_device(device::Reading::Status status, bool usable, Nanoseconds now) noexcept {
-  const DeviceWatch::Change change = device_watch_.note(usable, now);
-  const bool stale = status == device::Reading::Status::stale;
-  const std::string_view why = stale ? std::string_view{"none of its readings is new"} : device_.last_error();
-  if (change == DeviceWatch::Change::gone) tell(Event::Kind::device_gone, now, why);
+void Session::tell_of_device(device::Reading::Status status, Nanoseconds now) noexcept {
+  const DeviceWatch::Change change = device_watch_.note(status == device::Reading::Status::ok, now);
+  const bool by_device = status == device::Reading::Status::failed;
+  const std::string_view own = by_device ? device_.last_error() : std::string_view{};
+  if (change == DeviceWatch::Change::gone)
+    tell(Event::Kind::device_gone, now, own.empty() ? control::why(status) : own);
   if (change == DeviceWatch::Change::back) tell(Event::Kind::device_back, now, {}, device_watch_.pause());
 }
 

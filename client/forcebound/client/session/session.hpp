@@ -122,6 +122,7 @@ class Session {
     std::uint64_t held_too_long = 0;
     std::uint64_t released_by_device = 0;
     std::uint64_t stale_readings = 0;
+    control::ReadingCounts readings{};
   };
 
   [[nodiscard]] device::Reading read_device(Nanoseconds now) noexcept;
@@ -144,7 +145,7 @@ class Session {
   [[nodiscard]] RequestRendering::Request request_at(Done& done, Nanoseconds now) noexcept;
   [[nodiscard]] ModelAge model_age(const wire::EnvironmentForce& newest, Nanoseconds at) const noexcept;
   void tell_of_scene(Nanoseconds now) noexcept;
-  void tell_of_device(device::Reading::Status status, bool usable, Nanoseconds now) noexcept;
+  void tell_of_device(device::Reading::Status status, Nanoseconds now) noexcept;
   void tell_of_torque(const device::Reading& reading, Nanoseconds now) noexcept;
   /// What is asked of the law: the force, and the torque where the device shows it.
   [[nodiscard]] Vector wrench_of(const Done& done) const noexcept;

@@ -135,6 +135,7 @@ record::RunTotals Session::totals() const {
   totals.held_too_long = counts_.held_too_long;
   totals.released_by_device = counts_.released_by_device;
   totals.stale_readings = counts_.stale_readings;
+  totals.readings = counts_.readings;
   const device::DeviceCounters device = device_.counters();
   totals.device_gaps_cut = device.gaps_cut;
   totals.device_frozen_joints = device.frozen_joints;
@@ -156,7 +157,6 @@ record::RunTotals Session::totals() const {
   totals.non_finite_requests = controller_.counts().requests_not_finite;
   totals.impossible_intervals = controller_.counts().intervals_impossible;
   totals.withdrawn_forces = controller_.counts().withdrawn;
-  totals.non_finite_readings = controller_.counts().readings_not_finite;
   totals.readings_too_far = controller_.counts().readings_too_far;
   totals.failed_writes = controller_.counts().writes_failed;
   totals.effects_outside_facts = controller_.counts().effects_outside_facts;

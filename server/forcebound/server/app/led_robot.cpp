@@ -108,7 +108,10 @@ std::string in_words(const FollowerThread::Outcome& outcome) {
   text += "  period: " + timer_text(outcome.loop) + ", " + std::to_string(outcome.missed_ticks) + " missed\n";
   text += "  idle timer: " + timer_text(outcome.idle) + "\n";
   if (totals.frozen > 0) text += "  faults: " + text::counted(totals.frozen, "stop") + " for frozen readings\n";
-  if (totals.lost_readings > 0) text += "  faults: " + text::counted(totals.lost_readings, "lost reading") + "\n";
+  for (const control::ReadingStatusRow& row : control::kReadingStatuses) {
+    const std::uint64_t count = row.status == control::ReadingStatus::ok ? 0 : totals.readings[row.status];
+    if (count > 0) text += "  faults: " + std::to_string(count) + " " + (count == 1 ? row.one : row.many) + "\n";
+  }
   if (outcome.allocations > 0) {
     text += "  faults: " + text::counted(outcome.allocations, "allocation") + " in the robot's loop\n";
   }

@@ -137,8 +137,9 @@ void Follower::tick(Nanoseconds now) noexcept {
 
 /// What the robot does on this tick. @return whether the reading can be used
 bool Follower::judge(const device::Reading& reading, Nanoseconds now) noexcept {
-  const bool usable = reading.position.allFinite();
-  totals_.lost_readings += usable ? 0 : 1;
+  const bool usable = reading.status == device::Reading::Status::ok;
+  ++totals_.readings[reading.status];
+  lost_ = reading.status;
   if (robot_->is_stopped()) {
     answers_.restart();
   } else if (usable) {
@@ -185,6 +186,12 @@ bool Follower::judge(const device::Reading& reading, Nanoseconds now) noexcept {
     if (before != FollowerState::holding) grip_.begin(robot_->gripper());
   }
   return usable;
+}
+
+std::string_view Follower::last_error() const noexcept {
+  const bool by_robot = lost_ == device::Reading::Status::ok || lost_ == device::Reading::Status::failed;
+  const std::string_view said = robot_->last_error();
+  return by_robot && !said.empty() ? said : control::why(lost_);
 }
 
 /// Whether it tells where it is and what it touches, and takes commands.

@@ -69,7 +69,7 @@ struct FollowerTotals {
   std::uint64_t bounded = 0;  ///< ticks on which the law shortened the torques
   std::uint64_t stops = 0;
   std::uint64_t frozen = 0;           ///< stops for joints that did not answer
-  std::uint64_t lost_readings = 0;    ///< those that the robot held its torques on for aside
+  control::ReadingCounts readings{};  ///< by status; those that the robot held its torques on for aside
   std::uint64_t motions_refused = 0;  ///< of the leader, farther away than any hand
   std::string_view why_stopped{};     ///< last
   double received_J = 0;              ///< energy of the leader's law, at the robot's scale
@@ -121,6 +121,8 @@ class Follower {
   [[nodiscard]] Robot& robot() noexcept { return *robot_; }
   [[nodiscard]] const control::PassivityLaw& law() const noexcept { return controller_.law(); }
   [[nodiscard]] Nanoseconds period() const noexcept { return period_; }
+  /// Why its latest reading or command failed: what the robot says, else why the reading was refused.
+  [[nodiscard]] std::string_view last_error() const noexcept;
   [[nodiscard]] const FollowerSettings& settings() const noexcept { return settings_; }
 
  private:
@@ -159,11 +161,12 @@ class Follower {
   bool leader_is_new_ = false;
   bool placed_ = false;  // the target is where the tool was first seen
   int lost_in_a_row_ = 0;
-  int refused_in_a_row_ = 0;            // commands
-  int unsensed_in_a_row_ = 0;           // ticks without a sample that the architecture needs
-  std::optional<Nanoseconds> resumed_;  // its brakes begin to open
-  Vector given_;                        // torques of the tick before
-  double shortage_ = 0;                 // share of the torques that the law withheld, low-passed
+  device::Reading::Status lost_ = device::Reading::Status::ok;  // why the latest was
+  int refused_in_a_row_ = 0;                                    // commands
+  int unsensed_in_a_row_ = 0;                                   // ticks without a sample that the architecture needs
+  std::optional<Nanoseconds> resumed_;                          // its brakes begin to open
+  Vector given_;                                                // torques of the tick before
+  double shortage_ = 0;  // share of the torques that the law withheld, low-passed
   FollowerReport report_;
   FollowerTotals totals_;
 };

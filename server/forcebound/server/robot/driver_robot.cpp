@@ -144,20 +144,17 @@ void DriverRobot::note_failure(int result, std::string_view what) noexcept {
 }
 
 device::Reading DriverRobot::reading_of(const forcebound_robot_reading& told, Nanoseconds now) noexcept {
-  using Verdict = driver::ReadingTimes::Verdict;
   const Nanoseconds latched{told.latched_ns};
-  const Verdict verdict = times_.judge(latched, now);
-  if (verdict == Verdict::same) return without_reading(device::Reading::Status::stale);
-  if (verdict != Verdict::newer) {
-    ++counters_.times_refused;
-    return refused(driver::ReadingTimes::in_words(verdict));
-  }
+  const device::Reading::Status in_time = times_.judge(latched, now);
+  if (in_time == device::Reading::Status::stale) return without_reading(in_time);
+  if (in_time != device::Reading::Status::ok) return refused(in_time, control::why(in_time));
   const int joints = about_.facts.joints();
   const Vector place = Eigen::Map<const Eigen::VectorXd>(told.position_rad, joints);
-  if (!place.allFinite()) return refused("its reading has numbers that are not finite");
+  constexpr auto kIncomplete = device::Reading::Status::incomplete;
+  if (!place.allFinite()) return refused(kIncomplete, control::why(kIncomplete));
   const RobotLimits& limits = chain_.limits();
   if (((place - limits.highest).array() > kBeyond_rad).any() || ((limits.lowest - place).array() > kBeyond_rad).any()) {
-    return refused("a joint is far beyond its limits");
+    return refused(device::Reading::Status::failed, "a joint is far beyond its limits");
   }
   times_.accept(latched);
   place_ = place;
@@ -233,9 +230,9 @@ device::Reading DriverRobot::without_reading(device::Reading::Status status) con
           .status = status};
 }
 
-device::Reading DriverRobot::refused(std::string_view why) noexcept {
+device::Reading DriverRobot::refused(device::Reading::Status status, std::string_view why) noexcept {
   opened_.note_error(why);
-  return without_reading(device::Reading::Status::failed);
+  return without_reading(status);
 }
 
 void DriverRobot::apply(Nanoseconds now, const Vector& torque) noexcept {

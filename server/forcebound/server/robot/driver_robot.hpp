@@ -73,7 +73,7 @@ class DriverRobot final : public Robot {
   void note_stopped(Nanoseconds now) noexcept;
   [[nodiscard]] bool command(Nanoseconds now, const Vector& torque) noexcept;
   [[nodiscard]] device::Reading without_reading(device::Reading::Status status) const noexcept;
-  [[nodiscard]] device::Reading refused(std::string_view why) noexcept;
+  [[nodiscard]] device::Reading refused(device::Reading::Status status, std::string_view why) noexcept;
   void note_failure(int result, std::string_view what) noexcept;
 
   driver::OpenedDriver opened_;

@@ -171,7 +171,7 @@ void FollowerThread::note_state(Nanoseconds now) noexcept {
                      .grip_waits = follower_->report().picture.grip_waits,
                      .bias_age = follower_->report().picture.bias_age};
   if (change.by_robot()) {
-    const std::string_view said = follower_->robot().last_error();
+    const std::string_view said = follower_->last_error();
     std::copy_n(said.begin(), std::min(said.size(), change.said.size() - 1), change.said.begin());
   }
   if (!changes_->queue.push(change)) ++outcome_.changes_lost;

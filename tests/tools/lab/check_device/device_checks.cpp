@@ -106,17 +106,16 @@ class Checks {
     // A driver with a thread of its own has nothing to tell at first.
     for (int tick = 0; tick < kFirstTicksMost && driving_.readings().good == 0; ++tick) driving_.tick(driving_.zero());
     driving_.forget_readings();
-    const std::uint64_t times_refused = driving_.counters().times_refused;
     const Nanoseconds begin = driving_.now();
     driving_.tick(driving_.zero());
     const Vector from = driving_.position();
     for (int tick = 1; tick < kQuietTicks; ++tick) driving_.tick(driving_.zero());
     const double tick_s = time::to_seconds(driving_.now() - begin) / kQuietTicks;
     const ReadingCounts& counts = driving_.readings();
-    const std::uint64_t refused = driving_.counters().times_refused - times_refused;
-    const bool readable = counts.failed == refused;
+    const std::uint64_t refused = counts.out_of_time();
+    const bool readable = counts.failed() == refused;
     add("readings", verdict_of(readable),
-        std::to_string(counts.failed - refused) + " of " + std::to_string(kQuietTicks) + " failed" +
+        std::to_string(counts.failed() - refused) + " of " + std::to_string(kQuietTicks) + " failed" +
             (readable ? "" : ": " + counts.last_failure),
         "none");
     const bool often = judge_rate(counts, tick_s);
@@ -292,7 +291,7 @@ class Checks {
     driving_.rest_for(seconds);
     driving_.begin("start again");
     driving_.start();
-    const std::uint64_t failed = driving_.readings().failed;
+    const std::uint64_t failed = driving_.readings().failed();
     const std::uint64_t good = driving_.readings().good;
     for (int tick = 0; tick < 20; ++tick) driving_.tick(driving_.zero());
     const double way_m = first().dot(driving_.position() - from);
@@ -306,7 +305,7 @@ class Checks {
     add("stop", verdict_of(way_m <= most_m),
         "went on by " + short_mm(way_m) + " in " + short_text(1e3 * seconds) + " ms",
         "< " + short_mm(most_m) + ": no force after stop");
-    add("start again", verdict_of(driving_.readings().failed == failed && driving_.readings().good > good),
+    add("start again", verdict_of(driving_.readings().failed() == failed && driving_.readings().good > good),
         std::to_string(driving_.readings().good - good) + " of 20 readings", "readings as before");
     brake_after("the start");
   }

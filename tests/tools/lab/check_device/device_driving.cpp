@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "forcebound/control/wrench.hpp"
+#include "forcebound/device/command_times.hpp"
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/time/clock.hpp"
 
@@ -84,10 +85,12 @@ bool DeviceDriving::read_next() {
   next_ = std::max(next_ + time::from_seconds(facts().period_s), pace_.now());
   pace_.wait_until(next_);
   now_ = pace_.now();
-  device::Reading reading;
-  timed("read", [&] { reading = device_.read(now_); });
+  device::Reading read;
+  timed("read", [&] { read = device_.read(now_); });
+  // As the client does.
+  const device::Reading reading = device::usable_or_lost(read, facts(), now_, std::max(now_, pace_.now()));
   note(reading, now_);
-  return device::is_usable(reading, facts());
+  return reading.status == device::Reading::Status::ok;
 }
 
 void DeviceDriving::command(const Vector& force) {
@@ -124,10 +127,11 @@ void DeviceDriving::note(const device::Reading& reading, Nanoseconds now) {
     ++readings_.stale;
     return;
   }
-  if (!device::is_usable(reading, facts())) {
-    ++readings_.failed;
+  if (reading.status != device::Reading::Status::ok) {
+    ++readings_.refused[reading.status];
     ++failures_;
-    readings_.last_failure = std::string(device_.last_error());
+    const bool by_device = reading.status == device::Reading::Status::failed;
+    readings_.last_failure = by_device ? device_.last_error() : control::why(reading.status);
     return;
   }
   seen_ = now;

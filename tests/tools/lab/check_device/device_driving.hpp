@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "forcebound/control/reading_status.hpp"
 #include "tests/tools/lab/check_device/device_checks.hpp"
 
 namespace forcebound::lab {
@@ -37,12 +38,19 @@ class OutOfControl : public std::runtime_error {
 struct ReadingCounts {
   std::uint64_t good = 0;
   std::uint64_t stale = 0;
-  std::uint64_t failed = 0;
+  control::ReadingCounts refused{};
   std::uint64_t old = 0;  ///< latched long before they were read
   std::string last_failure{};
   std::vector<double> age_s{};  ///< of the good ones, when they were read
   Nanoseconds first_latched{0};
   Nanoseconds last_latched{0};
+
+  /// That cannot be true, or that there are none of; what is stale aside.
+  [[nodiscard]] std::uint64_t failed() const noexcept { return refused.refused(); }
+  /// Of these for the sake of the time that they tell.
+  [[nodiscard]] std::uint64_t out_of_time() const noexcept {
+    return refused[control::ReadingStatus::backwards] + refused[control::ReadingStatus::future];
+  }
 };
 
 /// How many calls there were, and how many did not return in time.

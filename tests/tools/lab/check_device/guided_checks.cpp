@@ -66,7 +66,7 @@ class GuidedChecks {
     driving_.forget_readings();
     InARow failed;
     const bool gone = ask_until([] { return "Unplug the device."; }, [this] { driving_.tick(driving_.zero()); },
-                                [&] { return failed.reached(driving_.readings().failed, driving_.readings().good); });
+                                [&] { return failed.reached(driving_.readings().failed(), driving_.readings().good); });
     add("unplugging", gone,
         gone ? "readings fail: " + driving_.readings().last_failure
              : "no reading failed within " + text::rounded(kPatience_s) + " s",
@@ -84,7 +84,7 @@ class GuidedChecks {
                                   if (++offered > kCommandsOffered) return driving_.tick(std::nullopt);
                                   driving_.tick_while_unreadable(force_N_ * Vector::Unit(driving_.zero().size(), 0));
                                 },
-                                [&] { return good.reached(driving_.readings().good, driving_.readings().failed); });
+                                [&] { return good.reached(driving_.readings().good, driving_.readings().failed()); });
     add("plugging in", back,
         back ? "readings succeed again" : "no readings within " + text::rounded(kPatience_s) + " s",
         "readings succeed again, without another start");

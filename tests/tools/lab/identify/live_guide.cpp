@@ -10,6 +10,7 @@
 
 #include "forcebound/client/runtime/priority.hpp"
 #include "forcebound/client/runtime/watchdog.hpp"
+#include "forcebound/device/command_times.hpp"
 #include "forcebound/time/periodic_timer.hpp"
 #include "forcebound/time/real_time.hpp"
 #include "forcebound/time/steady_clock.hpp"
@@ -65,8 +66,9 @@ void tick_until_done(Guide& guide, device::HapticDevice& device, time::Nanosecon
   for (std::uint64_t tick = 0; !guide.done() && !stop; ++tick) {
     const time::Nanoseconds now = timer.wait();
     if (watchdog) watchdog->note_tick(now);
-    const device::Reading reading = device.read(now);
+    const device::Reading read = device.read(now);
     const time::Nanoseconds commanded = clock.now();
+    const device::Reading reading = device::usable_or_lost(read, device.facts(), now, commanded);
     if (const auto force = guide.tick(reading, time::to_seconds(commanded))) device.apply(commanded, *force);
     if (auto taken = guide.take_work()) work = std::move(taken);
     if (work || tick % kTicksToShow == 0) show(guide, work, shown);

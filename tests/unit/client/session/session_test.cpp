@@ -319,7 +319,7 @@ TEST_F(SessionTest, AFailedReadingIsZeroForceAndNoMotion) {
   tick();
   EXPECT_EQ(device.applied[0], 0);
   EXPECT_EQ(sent<wire::MotionSample>().size(), 0U);
-  EXPECT_EQ(session.totals().non_finite_readings, 1U);
+  EXPECT_EQ(session.totals().readings[control::ReadingStatus::incomplete], 1U);
   device.position[0] = 0;
   tick();
   EXPECT_EQ(device.applied[0], -2.0);
@@ -440,7 +440,7 @@ TEST_F(SessionTest, GivesZeroForceOnAReadingThatFailed) {
   link.sent.clear();
   tick();
   EXPECT_EQ(device.applied[0], 0.0);
-  EXPECT_EQ(session.totals().non_finite_readings, 1U);
+  EXPECT_EQ(session.totals().readings[control::ReadingStatus::failed], 1U);
   EXPECT_EQ(sent<wire::MotionSample>().size(), 0U) << "nobody knows where the device is";
 }
 
@@ -458,11 +458,11 @@ TEST_F(SessionTest, LeavesTheForceToTheDeviceWhileNoReadingIsNewButNotForLong) {
     EXPECT_EQ(device.applied_at, applied_at) << i << " ms";
   }
   EXPECT_EQ(session.totals().stale_readings, 4U);
-  EXPECT_EQ(session.totals().non_finite_readings, 0U);
+  EXPECT_EQ(session.totals().readings.refused(), 0U);
   EXPECT_EQ(sent<wire::MotionSample>().size(), 0U);
   tick();
   EXPECT_EQ(device.applied[0], 0.0) << "5 ms after the last command";
-  EXPECT_EQ(session.totals().non_finite_readings, 1U);
+  EXPECT_EQ(session.totals().readings[control::ReadingStatus::stale], 1U);
 }
 
 TEST_F(SessionTest, LeavesAForceToADeviceThatNeverLetsGoOnlyIfTheNextTickIsInTime) {
@@ -530,7 +530,7 @@ TEST_F(SessionTest, GivesZeroForceOnAReadingOfTheWrongSize) {
   device.position = Vector::Zero(3);
   tick();
   EXPECT_EQ(device.applied, Vector::Zero(1));
-  EXPECT_EQ(session.totals().non_finite_readings, 1U);
+  EXPECT_EQ(session.totals().readings[control::ReadingStatus::incomplete], 1U);
 }
 
 TEST_F(SessionTest, TakesTheTimeOfAReadingFromTheDeviceThatLatchedIt) {
@@ -547,7 +547,7 @@ TEST_F(SessionTest, RejectsAReadingFromTheFuture) {
   connect();
   device.latched_before = -1ms;
   tick();
-  EXPECT_EQ(session.totals().non_finite_readings, 1U);
+  EXPECT_EQ(session.totals().readings[control::ReadingStatus::future], 1U);
   EXPECT_EQ(records.last.time, clock.time);
 }
 

@@ -55,6 +55,23 @@ TEST(ChangesOfState, TellWhatTheRobotSaidWhereItEndedItsWork) {
   EXPECT_EQ(in_words(change), "failed -> stopped after 1 s; it follows again once its leader engages");
 }
 
+TEST(ChangesOfState, TellHowOldTheSensorsBiasIsAndWhetherTheGripperStays) {
+  EXPECT_EQ(in_words({.from = stopped, .to = following, .lasted = 2s, .grip_waits = true, .bias_age = 90ms}),
+            "stopped -> following after 2 s; its sensor's bias was learned 90 ms ago; the gripper stays until its "
+            "leader's own grip has met where it stands");
+}
+
+TEST(TheSensorsBias, IsToldToBeLearnedOrWhyItIsNot) {
+  using enum SensorBias::Answer;
+  EXPECT_EQ(in_words(SensorBias::Status{.answer = learned, .off_N = 2.98}),
+            "its sensor's bias is learned again, 2.98 N from before");
+  EXPECT_THAT(in_words(SensorBias::Status{.answer = touches, .off_N = 5.2}),
+              AllOf(HasSubstr("is not learned: the tool touches something"), HasSubstr("(5.2 N more than untouched)")));
+  for (const auto answer : {no_sensor, no_samples, holds}) {
+    EXPECT_THAT(in_words(SensorBias::Status{.answer = answer}), HasSubstr("is not learned: "));
+  }
+}
+
 TEST(RobotsTotals, HaveBothTimersAndThePort) {
   FollowerThread::Outcome outcome;
   outcome.totals.ticks = 10'000;
@@ -84,12 +101,12 @@ TEST(RobotsTotals, HaveBothTimersAndThePort) {
 
 TEST(RobotsTotals, SayWhatIsWrong) {
   FollowerThread::Outcome outcome;
-  outcome.totals.lost_readings = 1;
+  outcome.totals.readings[control::ReadingStatus::future] = 1;
   outcome.allocations = 2;
   const std::string text = in_words(outcome);
   EXPECT_THAT(text, HasSubstr("not audited: this robot does not measure P"));
   EXPECT_THAT(text, HasSubstr("NOT AT REST"));
-  EXPECT_THAT(text, HasSubstr("faults: 1 lost reading\n"));
+  EXPECT_THAT(text, HasSubstr("faults: 1 reading latched in the future: no force\n"));
   EXPECT_THAT(text, HasSubstr("faults: 2 allocations"));
 }
 

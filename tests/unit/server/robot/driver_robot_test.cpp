@@ -149,7 +149,7 @@ TEST(DriverRobot, FaultyReadingsAreNotUsedAndTheNextGoodOneIs) {
     const auto arm = driven_arm("fault=" + fault);
     arm->start();
     EXPECT_THAT(drive(*arm, push(0), 100, 1s), Each(Status::ok)) << fault;
-    EXPECT_THAT(drive(*arm, push(0), 100, 2s), Each(Status::failed)) << fault;
+    EXPECT_THAT(drive(*arm, push(0), 100, 2s), Each(testing::Ne(Status::ok))) << fault;
     EXPECT_THAT(std::string(arm->last_error()), AllOf(HasSubstr(why), Not(HasSubstr("\n")))) << fault;
     EXPECT_THAT(drive(*arm, push(0), 100, 3s), Each(Status::ok)) << fault;
   }

@@ -76,6 +76,9 @@ TEST(CheckDevice, FindsReadingsThatAreNotFinite) { EXPECT_THAT(failed_with("nan"
 TEST(CheckDevice, FindsTimesThatRunBackwards) {
   EXPECT_THAT(failed_with("backwards"), testing::Contains("times run forward"));
 }
+TEST(CheckDevice, FindsTimesAMillisecondInTheFutureWhichTheClientRefuses) {
+  EXPECT_THAT(failed_with("ahead"), testing::Contains("times run forward"));
+}
 TEST(CheckDevice, FindsReadingsOfVeryDifferentAges) { EXPECT_THAT(failed_with("jitter"), ElementsAre("jitter")); }
 TEST(CheckDevice, FindsReadingsThatAreSeldomNew) { EXPECT_THAT(failed_with("seldom"), testing::Contains("rate")); }
 TEST(CheckDevice, FindsFailuresWithoutAReason) {
