@@ -95,10 +95,10 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(Broken{"sign", "force along +x", "moved -"}, Broken{"units", "units along x", "moves like"},
                     Broken{"axes", "force along +x", "along z"}, Broken{"clock", "reading times", "latched more than"},
                     Broken{"backwards", "times run forward", "ran backwards"}, Broken{"jitter", "jitter", "old"},
-                    Broken{"ahead", "times run forward", "1000 of 1000"},
-                    Broken{"seldom", "rate", "80 %"}, Broken{"fails", "last error", "without a reason"},
-                    Broken{"write", "commands", "failed"}, Broken{"holds", "hold time", "m/s"},
-                    Broken{"blocks", "calls in time", "blocked"}, Broken{"drift", "rest at zero force", "moved"},
+                    Broken{"ahead", "times run forward", "1000 of 1000"}, Broken{"seldom", "rate", "80 %"},
+                    Broken{"fails", "last error", "without a reason"}, Broken{"write", "commands", "failed"},
+                    Broken{"holds", "hold time", "m/s"}, Broken{"blocks", "calls in time", "blocked"},
+                    Broken{"drift", "rest at zero force", "moved"},
                     Broken{"wraps", "saturation", "moved -", {"--force-share", "1"}},
                     Broken{"nan", "readings", "not finite"}, Broken{"stop", "stop", "went on by"},
                     Broken{"settings", "unknown setting", "is accepted"},
@@ -115,21 +115,21 @@ TEST(CheckDeviceCommand, KeepsWhatItFoundBeforeACrash) {
   EXPECT_THAT(checked.with("failed"), testing::ElementsAre("calls")) << checked.ran().out;
   EXPECT_THAT(checked.with("passed"), IsSupersetOf({"readings", "rest at zero force", "force along +x"}));
   EXPECT_THAT(checked.measured("calls"),
-              AllOf(HasSubstr("crashed in command by signal 11 (Segmentation fault), in check 'force along +y'"),
-                    HasSubstr("the device was stopped")));
+              "in check 'force along +y' driver 'faulty' crashed in command (Segmentation fault); it was stopped");
 }
 
 TEST(CheckDeviceCommand, SaysThatADriverAborted) {
   const CheckDevice checked("faulty:fault=crash");
   EXPECT_EQ(checked.ran().exit_code, 1);
-  EXPECT_THAT(checked.measured("calls"), HasSubstr("crashed in read by signal 6 (Aborted), in check 'readings'"));
+  EXPECT_THAT(checked.measured("calls"), HasSubstr("in check 'readings' driver 'faulty' crashed in read (Aborted)"));
 }
 
 TEST(CheckDeviceCommand, KeepsWhatItFoundBeforeTheDriverEndsTheProcess) {
   const CheckDevice checked("faulty:fault=exit");
   EXPECT_EQ(checked.ran().exit_code, 1);
   EXPECT_THAT(checked.with("passed"), testing::Contains("force along +x"));
-  EXPECT_THAT(checked.measured("calls"), HasSubstr("command ended the process, in check 'force along +y'"));
+  EXPECT_THAT(checked.measured("calls"),
+              HasSubstr("in check 'force along +y' driver 'faulty' ended the program by exit() in command"));
 }
 
 TEST(CheckDeviceCommand, StopsADeviceWhoseDriverHangs) {

@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <optional>
@@ -71,7 +72,8 @@ class FaultyDriver : public testing::Test {
 
 TEST_F(FaultyDriver, PositionsThatAreNoNumbersAreNoForce) {
   begin("nan");
-  expect_no_force_while("fault", "its reading has numbers that are not finite", " with numbers that are not finite: no force");
+  expect_no_force_while("fault", "its reading has numbers that are not finite",
+                        " with numbers that are not finite: no force");
 }
 
 TEST_F(FaultyDriver, TimesThatRunBackwardsAreNoForce) {
@@ -110,6 +112,67 @@ TEST_F(FaultyDriver, TheClientEndsIfStopDoesNotReturnEither) {
   EXPECT_EQ(client->wait(120s), 1) << client->err();
   EXPECT_THAT(client->err(),
               AllOf(HasSubstr("has not returned from a call"), HasSubstr("its stop does not return either")));
+}
+
+constexpr int kDriverCrashed = 6;
+
+struct Crash {
+  const char* fault;
+  const char* words;
+  const char* then = "; it was stopped";
+};
+
+/// The client ends with a line that names the driver and what it was asked for, an exit code of its own, and no force.
+class ADriverThatCrashes : public FaultyDriver, public testing::WithParamInterface<Crash> {};
+
+TEST_P(ADriverThatCrashes, IsStoppedAndNamedWithTheCall) {
+  const std::string words = std::string("driver 'faulty' ") + GetParam().words + GetParam().then;
+  begin(GetParam().fault);
+  write_file(folder.file("fault"), "");
+  EXPECT_EQ(client->wait(120s), kDriverCrashed) << client->err();
+  EXPECT_THAT(client->err(), HasSubstr("device 'three rails': " + words + "; the client ends, without a summary"));
+  EXPECT_TRUE(std::filesystem::exists(folder.file("stopped")));
+}
+
+INSTANTIATE_TEST_SUITE_P(WhileAForceIsOn, ADriverThatCrashes,
+                         testing::Values(Crash{"crash-push", "crashed in command (Segmentation fault)"},
+                                         Crash{"crash", "crashed in read (Aborted)"},
+                                         Crash{"overflow", "crashed in read (Segmentation fault)"},
+                                         Crash{"exit", "ended the program by exit() in command"},
+                                         Crash{"crash-thread", "crashed in a thread of its own (Segmentation fault)"}),
+                         [](const auto& tried) {
+                           std::string name = tried.param.fault;
+                           std::erase(name, '-');
+                           return name;
+                         });
+
+TEST_F(FaultyDriver, ThatCrashesInStopIsNamedAndMayLeaveAForce) {
+  begin("crash-stop");
+  client->signal(SIGTERM);
+  EXPECT_EQ(client->wait(120s), kDriverCrashed) << client->err();
+  EXPECT_THAT(client->err(), HasSubstr("driver 'faulty' crashed in stop (Segmentation fault); its stop crashed too, so "
+                                       "that a force may be left"));
+}
+
+TEST_F(FaultyDriver, ThatCrashesInCloseIsNamedAfterItWasStopped) {
+  begin("crash-close");
+  client->signal(SIGTERM);
+  EXPECT_EQ(client->wait(120s), kDriverCrashed) << client->err();
+  EXPECT_THAT(client->err(), HasSubstr("driver 'faulty' crashed in close (Segmentation fault)\n"));
+  EXPECT_TRUE(std::filesystem::exists(folder.file("stopped")));
+}
+
+TEST(DriverOfTheClient, ThatCrashesBeforeAnyForceIsNamedWithTheCall) {
+  for (const auto& [fault, words] :
+       {std::pair("crash-reopen", "crashed in open (Segmentation fault)\n"),
+        std::pair("crash-start", "crashed in start (Segmentation fault); it was stopped\n")}) {
+    const DriversForTests drivers;
+    const TemporaryFolder folder;
+    const Ran client = run(kClient, {"--server", "127.0.0.1:9", "--device",
+                                     std::string("faulty:fault=") + fault + ",control=" + folder.path().string()});
+    EXPECT_EQ(client.exit_code, kDriverCrashed) << client.err;
+    EXPECT_THAT(client.err, HasSubstr(std::string("forcebound-client: driver 'faulty' ") + words));
+  }
 }
 
 /// What the client says of a device that it cannot have, in one line.

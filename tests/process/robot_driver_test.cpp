@@ -21,6 +21,8 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
+constexpr int kDriverCrashed = 6;
+
 /// A machine that gives the loop no time meanwhile does not stop the robot.
 constexpr const char* kPatient = "hold=0.4";
 
@@ -81,9 +83,9 @@ class FaultyRobot : public testing::Test {
   }
 
   /// The server ends by itself, in a line that says so, and its leader is told before.
-  void expect_end(const std::string& why) {
+  void expect_end(const std::string& why, int exit_code = 1) {
     go_wrong();
-    EXPECT_EQ(server->wait(kLong), 1) << server->err();
+    EXPECT_EQ(server->wait(kLong), exit_code) << server->err();
     EXPECT_THAT(server->err(), HasSubstr(why));
     EXPECT_TRUE(leader->wait_for("the robot refuses", kLong)) << leader->err();
     EXPECT_EQ(leader->stop(), leader->expected_end()) << leader->err();
@@ -168,18 +170,21 @@ TEST_F(FaultyRobot, WhoseStopDoesNotReturnEitherEndsTheServer) {
 
 TEST_F(FaultyRobot, WhoseDriverCrashesIsStoppedAndTheServerEnds) {
   begin("crash");
-  expect_end("crashed (Segmentation fault); the robot was stopped; the server ends");
+  expect_end("arm 7: driver 'arm' crashed in read_robot (Segmentation fault); it was stopped; the server ends",
+             kDriverCrashed);
   EXPECT_TRUE(std::filesystem::exists(folder.file("stopped")));
 }
 
-TEST_F(FaultyRobot, IsStoppedBeforeACrashElsewhereEndsTheServer) {
-  begin("crash-thread");
-  go_wrong();
-  EXPECT_EQ(server->wait(kLong), 128 + SIGSEGV) << server->err();
+TEST_F(FaultyRobot, WhoseDriverCrashesInACommandIsStoppedAndTheServerEnds) {
+  begin("crash-command");
+  expect_end("driver 'arm' crashed in command_robot (Segmentation fault); it was stopped", kDriverCrashed);
   EXPECT_TRUE(std::filesystem::exists(folder.file("stopped")));
-  EXPECT_TRUE(leader->wait_for("old: zero force", kLong)) << leader->err();
-  EXPECT_EQ(leader->stop(), leader->expected_end());
-  EXPECT_GE(leader->summary()["passivity"]["minimum_J"], kPassiveLeast_J);
+}
+
+TEST_F(FaultyRobot, WhoseDriverCrashesInAThreadOfItsOwnIsStoppedAndTheServerEnds) {
+  begin("crash-thread");
+  expect_end("driver 'arm' crashed in a thread of its own (Segmentation fault); it was stopped", kDriverCrashed);
+  EXPECT_TRUE(std::filesystem::exists(folder.file("stopped")));
 }
 
 TEST_F(FaultyRobot, ThatStopsByItselfSaysSo) {

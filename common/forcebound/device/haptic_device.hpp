@@ -138,6 +138,10 @@ class HapticDevice {
 
   /// Reason of the latest failed reading or command, for reports; empty: none failed.
   [[nodiscard]] virtual std::string_view last_error() const noexcept { return {}; }
+
+  /// How its driver crashed, in words, once it was stopped after that; empty: it did not. The program is to end then.
+  /// Any thread.
+  [[nodiscard]] virtual std::string_view crash() const noexcept { return {}; }
 };
 
 }  // namespace forcebound::device

@@ -14,11 +14,11 @@ namespace {
 
 constexpr int kTranslationsMost = 3;
 
-forcebound_facts told_by(const forcebound_driver& driver, forcebound_device* device) {
+forcebound_facts told_by(OpenedDriver& opened) {
   forcebound_facts told{};
   told.size = sizeof told;
-  if (driver.describe(device, &told) != FORCEBOUND_OK) {
-    throw std::runtime_error("driver '" + std::string(driver.name) + "' does not describe its device");
+  if (opened.call("describe", opened.functions().describe, &told) != FORCEBOUND_OK) {
+    throw std::runtime_error("driver '" + std::string(opened.functions().name) + "' does not describe its device");
   }
   return told;
 }
@@ -59,7 +59,7 @@ device::Safety own_safety(const device::RealDevice& own, const forcebound_facts&
 DriverDevice::DriverDevice(std::shared_ptr<const DriverLibrary> library, const DriverRequest& request,
                            std::optional<device::RealDevice> own)
     : opened_(std::move(library), request) {
-  const forcebound_facts told = told_by(driver(), opened_.device());
+  const forcebound_facts told = told_by(opened_);
   identified_ = told.identified != 0;
   facts_ = facts_of(told, driver().name);
   safety_ = safety_of(told, facts_, driver().name);
@@ -99,7 +99,7 @@ std::string DriverDevice::facts_in_words() const {
 device::Reading DriverDevice::read(Nanoseconds now) noexcept {
   forcebound_reading told{};
   told.size = sizeof told;
-  const int result = opened_.call(driver().read, now.count(), &told);
+  const int result = opened_.call("read", driver().read, now.count(), &told);
   if (result == FORCEBOUND_OK || result == FORCEBOUND_STALE) note_reports(told);
   if (result == FORCEBOUND_OK) return reading_of(told, now);
   if (result == FORCEBOUND_STALE) return without_reading(device::Reading::Status::stale);
@@ -171,7 +171,7 @@ void DriverDevice::apply(Nanoseconds now, const Vector& force_N) noexcept {
   }
   effective_at_.reset();
   released_at_.reset();
-  const int result = opened_.call(driver().command, static_cast<const forcebound_command*>(&command));
+  const int result = opened_.call("command", driver().command, static_cast<const forcebound_command*>(&command));
   write_failed_ = result != FORCEBOUND_OK;
   if (!write_failed_) return;
   ++counters_.failed_writes;

@@ -44,6 +44,7 @@ class DriverDevice final : public device::HapticDevice {
   [[nodiscard]] std::optional<Nanoseconds> released_at() const noexcept override { return released_at_; }
   [[nodiscard]] device::DeviceCounters counters() const noexcept override { return counters_; }
   [[nodiscard]] std::string_view last_error() const noexcept override { return opened_.last_error(); }
+  [[nodiscard]] std::string_view crash() const noexcept override { return crash_in_words(); }
 
  private:
   [[nodiscard]] const forcebound_driver& driver() const noexcept { return opened_.functions(); }

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "forcebound/driver/crash.hpp"
 #include "forcebound/text/printable.hpp"
 
 namespace forcebound::driver {
@@ -23,6 +24,7 @@ constexpr const char* kEntry = "forcebound_driver_entry";
 }
 
 void* opened(const std::string& file) {
+  const CallInProgress in_progress(file.c_str(), "its library's initialisers");
   // Now, not while the tick runs; and with names of its own, lest two vendors' libraries meet.
   void* const library = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (library != nullptr) return library;
@@ -60,6 +62,7 @@ forcebound_driver functions_of(void* library, const std::string& file, const std
   if (entry == nullptr) {
     refuse_driver(file, std::string("is no driver: it lacks the function '") + kEntry + "' of forcebound_device.h");
   }
+  const CallInProgress in_progress(file.c_str(), kEntry);
   const forcebound_driver* const table = entry(FORCEBOUND_DEVICE_INTERFACE);
   if (table == nullptr) refuse_driver(file, "has no table of functions");
   if (table->interface_version != FORCEBOUND_DEVICE_INTERFACE) {

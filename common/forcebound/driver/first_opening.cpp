@@ -5,6 +5,7 @@
 #include <string>
 
 #include "forcebound/child/in_child.hpp"
+#include "forcebound/driver/crash.hpp"
 
 namespace forcebound::driver {
 namespace {
@@ -31,6 +32,7 @@ void expect_to_survive(const std::string& file, const DriverRequest& request, co
     throw std::runtime_error("driver '" + request.name + "'" + where +
                              ", when it was asked to open its device: " + error.what());
   }
+  catch_crashes();
 }
 
 }  // namespace forcebound::driver

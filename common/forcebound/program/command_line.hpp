@@ -22,17 +22,18 @@ namespace forcebound::program {
 /// found no session. Not passive: the run ended, and its summary says NOT PASSIVE. Output lost: it ended well, but of
 /// what it was to write (a recording, a summary, a log) something is missing. Never connected: it ended when it was to,
 /// and had no session until then. The first of not passive, failed, output lost and never connected that holds is
-/// returned.
+/// returned. Driver crashed: of a device or a robot; it was stopped, and nothing of what comes at the end was written.
 inline constexpr int kDone = 0;
 inline constexpr int kFailed = 1;
 inline constexpr int kWrongUse = 2;
 inline constexpr int kNotPassive = 3;
 inline constexpr int kOutputLost = 4;
 inline constexpr int kNeverConnected = 5;
+inline constexpr int kDriverCrashed = 6;
 
 /// The last line of every program's --help.
 inline constexpr std::string_view kExitCodes =
-    "Exit code: 0 done, 1 failed, 2 wrong use, 3 NOT PASSIVE, 4 output lost, 5 never connected.";
+    "Exit code: 0 done, 1 failed, 2 wrong use, 3 NOT PASSIVE, 4 output lost, 5 never connected, 6 driver crashed.";
 
 /// The program ends after its command line: help, version or wrong use.
 struct End {

@@ -67,6 +67,7 @@ static const char* const kFaults[] = {
     "hang-command", /* likewise */
     "hang-stop",    /* in a reading and in stop */
     "crash",        /* by a bad address, in a reading */
+    "crash-command", /* likewise, in a command */
     "crash-thread", /* in a thread of the driver's own */
     "stale",        /* each second reading */
     "jump",         /* of a joint's encoder, by 1 rad */
@@ -313,6 +314,7 @@ static int arm_command(forcebound_device* arm, const forcebound_robot_command* c
   note_torque(arm, command);
   if (misbehaves_now(arm)) {
     if (is(arm, "hang-command")) hang();
+    if (is(arm, "crash-command")) crash();
     if (is(arm, "unplugged")) return FORCEBOUND_UNPLUGGED;
     if (is(arm, "write")) return FORCEBOUND_FAILED;
   }

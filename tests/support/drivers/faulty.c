@@ -11,6 +11,7 @@
 #include <forcebound/driver/forcebound_device.h>
 
 #include <math.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -69,10 +70,28 @@ static const char* const kFaults[] = {
     "crash",      /* abort, in the 100th reading */
     "crash-push", /* by a bad address, in the first force along y */
     "exit",       /* ends the process, in the first force along y */
+    "crash-thread", /* by a bad address, in a thread of its own, once there is a file `fault` */
+    "overflow",     /* recursion without an end, in the 100th reading */
+    "crash-reopen", /* by a bad address, when it is opened a second time */
+    "crash-start",  /* likewise, when it is started */
+    "crash-stop",   /* likewise, when it is stopped after a force */
+    "crash-close",  /* likewise, closed */
     "stop",       /* does not end the force */
     "settings",   /* accepts all */
     "remembers",  /* applies the last force when it is plugged in again */
 };
+
+static void crash(void) {
+  volatile int* volatile nowhere = NULL;
+  *nowhere = 1;
+}
+
+static int recurse(volatile int depth) {
+  volatile char room[4096];
+  if (depth < 0) return 0;
+  room[depth % 4096] = (char)depth;
+  return recurse(depth + 1) + room[0];
+}
 
 static int of_any_thread(const int* number) { return __atomic_load_n(number, __ATOMIC_SEQ_CST); }
 static void set_for_any_thread(int* number, int value) { __atomic_store_n(number, value, __ATOMIC_SEQ_CST); }
@@ -99,6 +118,24 @@ static int accepts(forcebound_device* rails, const forcebound_setting* setting) 
   return is(rails, "settings");
 }
 
+static int has_file(const forcebound_device* rails, const char* name) {
+  char path[FOLDER_BYTES + 16];
+  if (rails->control[0] == '\0') return 0;
+  snprintf(path, sizeof path, "%s/%s", rails->control, name);
+  return access(path, F_OK) == 0;
+}
+
+static void write_numbers(const forcebound_device* rails, const char* name, long first, long second) {
+  char path[FOLDER_BYTES + 16];
+  FILE* file = NULL;
+  if (rails->control[0] == '\0') return;
+  snprintf(path, sizeof path, "%s/%s", rails->control, name);
+  file = fopen(path, "w");
+  if (file == NULL) return;
+  fprintf(file, "%ld %ld\n", first, second);
+  fclose(file);
+}
+
 static int faulty_open(const forcebound_setting* settings, size_t count, forcebound_device** device, char* error,
                        size_t error_bytes) {
   forcebound_device* const rails = calloc(1, sizeof *rails);
@@ -112,6 +149,8 @@ static int faulty_open(const forcebound_setting* settings, size_t count, forcebo
     return FORCEBOUND_FAILED;
   }
   *device = rails;
+  if (is(rails, "crash-reopen") && has_file(rails, "opened")) crash();
+  write_numbers(rails, "opened", 1, 0);
   return FORCEBOUND_OK;
 }
 
@@ -128,7 +167,17 @@ static int faulty_describe(forcebound_device* rails, forcebound_facts* facts) {
   return FORCEBOUND_OK;
 }
 
+static void* crash_when_told(void* rails) {
+  const struct timespec look = {0, 1000000};
+  while (!has_file(rails, "fault")) nanosleep(&look, NULL);
+  crash();
+  return NULL;
+}
+
 static int faulty_start(forcebound_device* rails) {
+  pthread_t thread;
+  if (is(rails, "crash-start")) crash();
+  if (is(rails, "crash-thread") && pthread_create(&thread, NULL, crash_when_told, rails) != 0) return FORCEBOUND_FAILED;
   if (!is(rails, "stop")) memset(rails->force_N, 0, sizeof rails->force_N);
   return FORCEBOUND_OK;
 }
@@ -152,24 +201,6 @@ static void pass(forcebound_device* rails, int64_t now_ns) {
       rails->position_m[i] += 1e-9 * (double)step_ns * rails->speed_m_per_s[i];
     }
   }
-}
-
-static int has_file(const forcebound_device* rails, const char* name) {
-  char path[FOLDER_BYTES + 16];
-  if (rails->control[0] == '\0') return 0;
-  snprintf(path, sizeof path, "%s/%s", rails->control, name);
-  return access(path, F_OK) == 0;
-}
-
-static void write_numbers(const forcebound_device* rails, const char* name, long first, long second) {
-  char path[FOLDER_BYTES + 16];
-  FILE* file = NULL;
-  if (rails->control[0] == '\0') return;
-  snprintf(path, sizeof path, "%s/%s", rails->control, name);
-  file = fopen(path, "w");
-  if (file == NULL) return;
-  fprintf(file, "%ld %ld\n", first, second);
-  fclose(file);
 }
 
 static int misbehaves_now(const forcebound_device* rails) {
@@ -219,6 +250,7 @@ static int faulty_read(forcebound_device* rails, int64_t now_ns, forcebound_read
   rails->misread = reading->latched_ns != now_ns;
   if (!misbehaves_now(rails)) return FORCEBOUND_OK;
   if (is(rails, "crash")) abort();
+  if (is(rails, "overflow")) (void)recurse(0);
   if (is(rails, "hang-read")) hang();
   rails->misread = rails->misread || is(rails, "nan") || is(rails, "fails");
   if (is(rails, "nan")) reading->position_m[1] = strtod("nan", NULL);
@@ -242,11 +274,10 @@ static void note_force(forcebound_device* rails) {
 }
 
 static void misbehave_in_push(forcebound_device* rails) {
-  volatile int* volatile nowhere = NULL;
   const int hangs = is(rails, "hang-push") || is(rails, "hang-stop");
   set_for_any_thread(&rails->hangs, hangs);
   if (hangs) hang();
-  if (is(rails, "crash-push")) *nowhere = 1;
+  if (is(rails, "crash-push")) crash();
   if (is(rails, "exit")) exit(0);
 }
 
@@ -273,10 +304,13 @@ static int faulty_command(forcebound_device* rails, const forcebound_command* co
 static void faulty_stop(forcebound_device* rails) {
   if (is(rails, "hang-stop") && of_any_thread(&rails->hangs)) hang();
   set_for_any_thread(&rails->stopped, 1);
-  if (__atomic_load_n(&rails->forces_after_good, __ATOMIC_SEQ_CST) > 0) write_numbers(rails, "stopped", 1, 0);
+  if (__atomic_load_n(&rails->forces_after_good, __ATOMIC_SEQ_CST) == 0) return;
+  if (is(rails, "crash-stop")) crash();
+  write_numbers(rails, "stopped", 1, 0);
 }
 
 static void faulty_close(forcebound_device* rails) {
+  if (is(rails, "crash-close") && rails->forces_after_good > 0) crash();
   write_numbers(rails, "forces", rails->forces_after_good, rails->forces_after_bad);
   free(rails);
 }

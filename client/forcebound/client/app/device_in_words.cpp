@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include "forcebound/device/simulated/make_operator.hpp"
+#include "forcebound/text/printable.hpp"
 
 namespace forcebound::client {
 
@@ -24,9 +25,14 @@ std::string guarantee_with(const device::HapticDevice& device, const std::string
          guarantee;
 }
 
-std::string stuck_words(const device::HapticDevice& device, bool device_stopped, bool has_recording) {
-  return "the driver of device '" + device.facts().name + "' has not returned from a call for 2 s; " +
-         (device_stopped ? "the device was stopped" : "its stop does not return either, so that a force may be left") +
+std::string lost_words(const device::HapticDevice& device, std::string_view crash, bool device_stopped,
+                       bool has_recording) {
+  const std::string stuck =
+      "has not returned from a call for 2 s; " +
+      std::string(device_stopped ? "the device was stopped"
+                                 : "its stop does not return either, so that a force may be left");
+  return (crash.empty() ? "the driver of device '" + device.facts().name + "' " + stuck
+                        : "device '" + device.facts().name + "': " + text::printable(crash)) +
          "; the client ends, without a summary" + (has_recording ? "; the recording has what was before" : "");
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "forcebound/device/haptic_device.hpp"
 
@@ -17,7 +18,8 @@ void warn_of_hand(const std::string& hand, const device::HapticDevice& device);
 /// @param guarantee of the law, see LawRegistry::guarantee; empty: nothing
 [[nodiscard]] std::string guarantee_with(const device::HapticDevice& device, const std::string& guarantee);
 
-/// Why the client ends when a driver does not return from a call.
-[[nodiscard]] std::string stuck_words(const device::HapticDevice& device, bool device_stopped, bool has_recording);
+/// Why the client ends when a driver has crashed, or does not return from a call: Client::Lost.
+[[nodiscard]] std::string lost_words(const device::HapticDevice& device, std::string_view crash, bool device_stopped,
+                                     bool has_recording);
 
 }  // namespace forcebound::client

@@ -131,10 +131,9 @@ class LiveRun {
       if (tracks.size() > 1) attend_beside(tracks, beside, line.state() == record::SessionState::active);
       attend(client, main, screen, now, elapsed);
     };
-    client.run(ended_, housekeeping, [&](bool device_stopped) {
+    client.run(ended_, housekeeping, [&](std::string_view crash, bool device_stopped) {
       screen.end(last);
-      spdlog::error("{}", stuck_words(*main.device, device_stopped, !main.settings.recording.empty()));
-      spdlog::shutdown();
+      return end_without_summary(*main.device, crash, device_stopped, !main.settings.recording.empty());
     });
     beside.ended = true;
     if (beside.thread.joinable()) beside.thread.join();

@@ -74,10 +74,9 @@ int run(const Options& options, const std::atomic<bool>& stop) {
     if (const std::string fault = client.take_recording_fault(); !fault.empty()) screen.tell_recording_fault(fault);
     last = now;
   };
-  client.run(stop, housekeeping, [&](bool device_stopped) {
+  client.run(stop, housekeeping, [&](std::string_view crash, bool device_stopped) {
     screen.end(last);
-    spdlog::error("{}", stuck_words(*device, device_stopped, !options.record.empty()));
-    spdlog::shutdown();
+    return end_without_summary(*device, crash, device_stopped, !options.record.empty());
   });
   screen.end(last);
 

@@ -6,8 +6,10 @@
 #include <stdexcept>
 
 #include "forcebound/baselines/law_file.hpp"
+#include "forcebound/client/app/device_in_words.hpp"
 #include "forcebound/device/load_device.hpp"
 #include "forcebound/device/shipped_devices.hpp"
+#include "forcebound/driver/crash.hpp"
 #include "forcebound/program/command_line.hpp"
 #include "forcebound/text/file.hpp"
 #include "forcebound/text/numbers.hpp"
@@ -63,6 +65,14 @@ int exit_code_of(const Client& client, bool summary_written) {
   if (!client.why_no_session().empty()) return program::kFailed;
   if (!summary_written || !client.recording_complete()) return program::kOutputLost;
   return client.summary().connected() ? program::kDone : program::kNeverConnected;
+}
+
+int end_without_summary(const device::HapticDevice& device, std::string_view crash, bool device_stopped,
+                        bool has_recording) {
+  static_assert(program::kDriverCrashed == driver::kCrashExit);
+  spdlog::error("{}", lost_words(device, crash, device_stopped, has_recording));
+  spdlog::shutdown();
+  return crash.empty() ? program::kFailed : program::kDriverCrashed;
 }
 
 std::vector<record::RecordedFile> recorded_files(const std::string& device, const std::string& law,

@@ -24,6 +24,10 @@ bool write_summary(const std::string& file, const record::Summary& summary);
 /// What the results of a run make of a program's exit code.
 [[nodiscard]] int exit_code_of(const Client& client, bool summary_written);
 
+/// Says why a run ends without a summary, as Client::Lost is told. @returns the program's exit code
+[[nodiscard]] int end_without_summary(const device::HapticDevice& device, std::string_view crash, bool device_stopped,
+                                      bool has_recording);
+
 /// What a recording has within: the device's file, if it has one, and the law with its parameters.
 [[nodiscard]] std::vector<record::RecordedFile> recorded_files(const std::string& device, const std::string& law,
                                                                const control::LawParameters& parameters);

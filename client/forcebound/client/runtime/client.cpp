@@ -138,11 +138,10 @@ struct Client::Parts {
 
   /// Ends the process: the tick's thread, which is in the driver, cannot be ended alone. What that thread has in hand,
   /// the summary among it, is left alone.
-  [[noreturn]] void leave(TickLoop& loop, const Watchdog& watchdog, const Stuck& stuck) {
+  [[noreturn]] void leave(TickLoop& loop, const Watchdog& watchdog, const Lost& lost) {
     loop.end();
     if (writer) writer->flush();
-    if (stuck) stuck(!watchdog.is_stopping());
-    std::_Exit(EXIT_FAILURE);
+    std::_Exit(lost ? lost(device.crash(), !watchdog.is_stopping()) : EXIT_FAILURE);
   }
 
   void finish(record::RunTotals totals) {
@@ -188,7 +187,7 @@ Client::Client(const Settings& settings, device::HapticDevice& device, std::uniq
 
 Client::~Client() = default;
 
-void Client::run(const std::atomic<bool>& stop, const Housekeeping& housekeeping, const Stuck& stuck) {
+void Client::run(const std::atomic<bool>& stop, const Housekeeping& housekeeping, const Lost& lost) {
   Parts& p = *parts_;
   p.device.start();
   ZeroForceFirst zero_force_first(p.device, *p.session, p.clock, p.settings.seed);
@@ -222,7 +221,8 @@ void Client::run(const std::atomic<bool>& stop, const Housekeeping& housekeeping
     if (p.writer) p.recorder.drain(*p.writer);
     const Nanoseconds now = p.clock.now();
     if (housekeeping) housekeeping(now, now - start);
-    if (looks.note(loop.rounds()) && watchdog) p.leave(loop, *watchdog, stuck);
+    const bool stuck = looks.note(loop.rounds());
+    if (watchdog && (stuck || !p.device.crash().empty())) p.leave(loop, *watchdog, lost);
   }
   tick.join();
   if (p.local) {

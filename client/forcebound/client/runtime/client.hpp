@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "forcebound/client/security/identity_files.hpp"
@@ -66,9 +67,11 @@ class Client {
   /// Called several times a second while it runs.
   using Housekeeping = std::function<void(time::Nanoseconds now, time::Nanoseconds elapsed)>;
 
-  /// Tells the user that the device's driver does not return; the process ends after it. @param device_stopped whether
-  /// the watchdog could stop the device
-  using Stuck = std::function<void(bool device_stopped)>;
+  /// Tells the user that the device's driver has crashed, or does not return; the process ends after it.
+  /// @param crash in words, and whether the device was stopped; empty: it does not return
+  /// @param device_stopped then, whether the watchdog could stop the device
+  /// @returns the process's exit code
+  using Lost = std::function<int(std::string_view crash, bool device_stopped)>;
 
   /// Connects and opens the recording; does not start the device yet. `device` and `sinks` must outlive it.
   /// @throws std::invalid_argument if the server is on another machine, and neither keys nor `insecure` are given;
@@ -78,10 +81,10 @@ class Client {
   ~Client();
 
   /// Starts the device and runs until the time is up, the client gives up or `stop` is set; ends with zero force. To be
-  /// called once. If the driver of a device does not return from a call for 2 s the process ends with EXIT_FAILURE,
-  /// after the recording was written and `stuck` was called: no thread can be ended that is in a call.
+  /// called once. If the driver of a device crashes, or does not return from a call for 2 s, the process ends as `lost`
+  /// says, else with EXIT_FAILURE, after the recording was written: no thread can be ended that is in a call.
   /// @throws std::exception if the device does not start, or the recording cannot be ended.
-  void run(const std::atomic<bool>& stop, const Housekeeping& housekeeping = {}, const Stuck& stuck = {});
+  void run(const std::atomic<bool>& stop, const Housekeeping& housekeeping = {}, const Lost& lost = {});
 
   /// Events for the user; to be taken by the thread that runs the client or its housekeeping.
   [[nodiscard]] EventQueue& events() noexcept;

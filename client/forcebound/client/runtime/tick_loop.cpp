@@ -4,6 +4,7 @@
 #include "forcebound/time/heap_operations.hpp"
 #include "forcebound/time/periodic_timer.hpp"
 #include "forcebound/time/real_time.hpp"
+#include "forcebound/time/signal_stack.hpp"
 
 namespace forcebound::client {
 namespace {
@@ -17,6 +18,7 @@ constexpr int kSettlingTicks = 1000;  // the first second may still touch memory
 void TickLoop::run() {
   grant_.set(time::ask_for_real_time(kTickPriority).text);
   time::touch_stack();
+  const time::SignalStack stack;
   const Nanoseconds start = clock_.now();
   time::PeriodicTimer timer(clock_, settings_.period);
   std::uint64_t ticks = 0;

@@ -4,7 +4,6 @@
 #include <spdlog/spdlog.h>
 
 #include <cmath>
-#include <cstring>
 #include <utility>
 
 #include "forcebound/server/follower/follower_environment.hpp"
@@ -119,11 +118,10 @@ std::string in_words(const FollowerThread::Outcome& outcome) {
 }
 
 std::string loss_in_words(const RobotGuard& guard, const std::string& robot) {
-  const int signal = guard.signal();
-  return "the driver of robot " + robot +
-         (signal != 0 ? " crashed (" + std::string(::strsignal(signal)) + ")"
-                      : std::string(" has not returned from a call for 2 s")) +
-         "; " +
+  if (const std::string_view crash = guard.crash(); !crash.empty()) {
+    return robot + ": " + text::printable(crash) + "; the server ends";
+  }
+  return "the driver of robot " + robot + " has not returned from a call for 2 s; " +
          (guard.stopped() ? "the robot was stopped" : "its stop does not return either, so that a torque may be left") +
          "; the server ends";
 }

@@ -43,6 +43,7 @@ class LedRobot {
 
   /// Whether its driver hangs or has crashed: the process cannot but end, by std::_Exit after `stop`.
   [[nodiscard]] bool is_lost() const noexcept { return thread_->is_lost(); }
+  [[nodiscard]] bool has_crashed() const noexcept { return thread_->trouble() == RobotGuard::Trouble::crashed; }
 
   /// Of all that the robot did, after `stop`: a line for each subject, not broken.
   [[nodiscard]] std::string totals() const;

@@ -368,7 +368,7 @@ int serve(ProgramOptions options) {
     (void)observer->finish();
     spdlog::shutdown();
     // Its thread is in the driver, for ever.
-    std::_Exit(program::kFailed);
+    std::_Exit(beside.robot->has_crashed() ? program::kDriverCrashed : program::kFailed);
   }
   return observer->finish() ? program::kDone : program::kOutputLost;
 }

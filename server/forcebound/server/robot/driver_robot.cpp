@@ -88,12 +88,12 @@ class FileCheck {
   const driver::DriverRequest& request_;
 };
 
-RobotDescription described(const driver::OpenedDriver& opened, const driver::DriverRequest& request,
+RobotDescription described(driver::OpenedDriver& opened, const driver::DriverRequest& request,
                            std::optional<RobotDescription> own) {
   forcebound_robot told{};
   told.size = sizeof told;
   const std::string name = opened.functions().name;
-  if (opened.functions().describe_robot(opened.device(), &told) != FORCEBOUND_OK) {
+  if (opened.call("describe_robot", opened.functions().describe_robot, &told) != FORCEBOUND_OK) {
     throw std::runtime_error("driver '" + name + "' does not describe its robot");
   }
   if (!own) return description_of(told, name);
@@ -129,7 +129,7 @@ device::Reading DriverRobot::read(Nanoseconds now) noexcept {
   take_stop_from_outside();
   forcebound_robot_reading told{};
   told.size = sizeof told;
-  const int result = opened_.call(table().read_robot, now.count(), &told);
+  const int result = opened_.call("read_robot", table().read_robot, now.count(), &told);
   if (result == FORCEBOUND_OK || result == FORCEBOUND_STALE) note_reports(told, now);
   forget_old_sample(now);
   if (result == FORCEBOUND_OK) return reading_of(told, now);
@@ -274,7 +274,8 @@ bool DriverRobot::command(Nanoseconds now, const Vector& torque) noexcept {
     command.has = FORCEBOUND_HAS_GRIPPER;
     command.gripper = *opening_;
   }
-  const int result = opened_.call(table().command_robot, static_cast<const forcebound_robot_command*>(&command));
+  const int result =
+      opened_.call("command_robot", table().command_robot, static_cast<const forcebound_robot_command*>(&command));
   if (result == FORCEBOUND_OK) return true;
   ++counters_.failed_writes;
   note_failure(result, "the command failed");
@@ -297,7 +298,7 @@ void DriverRobot::soft_stop(Nanoseconds now) noexcept {
 
 void DriverRobot::resume(Nanoseconds now) noexcept {
   if (!stopped_) return;
-  const int result = opened_.call(table().resume);
+  const int result = opened_.call("resume", table().resume);
   if (result == FORCEBOUND_OK) {
     resumed_ = now;
   } else {

@@ -52,6 +52,7 @@ class DriverRobot final : public Robot {
   [[nodiscard]] std::optional<control::PassivityAudit> audit() const noexcept override { return audit_; }
   [[nodiscard]] device::DeviceCounters counters() const noexcept override { return counters_; }
   [[nodiscard]] std::string_view last_error() const noexcept override { return opened_.last_error(); }
+  [[nodiscard]] std::string_view crash() const noexcept override { return driver::crash_in_words(); }
 
   [[nodiscard]] const RobotModel& model() const noexcept override { return chain_; }
   [[nodiscard]] std::optional<SensedForce> sensed_force() const noexcept override { return sensed_; }

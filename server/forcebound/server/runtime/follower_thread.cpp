@@ -7,6 +7,7 @@
 #include "forcebound/time/heap_operations.hpp"
 #include "forcebound/time/periodic_timer.hpp"
 #include "forcebound/time/real_time.hpp"
+#include "forcebound/time/signal_stack.hpp"
 
 namespace forcebound::server {
 namespace {
@@ -108,7 +109,7 @@ void FollowerThread::run(const std::stop_token& stopping) {
   if (settings_.priority) grant_ = time::ask_for_real_time(*settings_.priority).text;
   begun_.count_down();
   time::touch_stack();
-  if (guard_) guard_->watch_this_thread();
+  const time::SignalStack stack;
   state_since_ = clock_.now();
   time::PeriodicTimer timer(clock_, follower_->period());
   std::uint64_t ticks = 0;

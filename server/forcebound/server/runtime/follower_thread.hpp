@@ -28,10 +28,10 @@ struct StateChange {
   FollowerState from = FollowerState::waiting;
   FollowerState to = FollowerState::waiting;
   Nanoseconds at{0};
-  Nanoseconds lasted{0};                ///< how long it was in the state before
-  std::optional<Nanoseconds> silent{};  ///< since the leader was last heard; none: nobody leads
-  std::string_view why_stopped{};       ///< last, in a few words; empty: it never did. Static text
-  std::array<char, 160> said{};         ///< by the robot, where it failed or stopped by itself; ends with a zero
+  Nanoseconds lasted{0};                  ///< how long it was in the state before
+  std::optional<Nanoseconds> silent{};    ///< since the leader was last heard; none: nobody leads
+  std::string_view why_stopped{};         ///< last, in a few words; empty: it never did. Static text
+  std::array<char, 160> said{};           ///< by the robot, where it failed or stopped by itself; ends with a zero
   bool grip_waits = false;                ///< the gripper, until the operator's own grip has met where it stands
   std::optional<Nanoseconds> bias_age{};  ///< since its force sensor's bias was learned
 

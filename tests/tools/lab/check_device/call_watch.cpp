@@ -1,13 +1,12 @@
 #include "tests/tools/lab/check_device/call_watch.hpp"
 
-#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <csignal>
 #include <limits>
 #include <string_view>
 
+#include "forcebound/driver/crash.hpp"
 #include "forcebound/time/real_time.hpp"
 #include "forcebound/time/steady_clock.hpp"
 
@@ -18,15 +17,8 @@ constexpr std::chrono::milliseconds kLook{1};
 constexpr std::chrono::milliseconds kStopPatience{2000};
 constexpr std::chrono::milliseconds kOnItsWay{20};  // a force of zero, with a driver whose own thread sends it
 constexpr int kPriority = 80;
-constexpr std::array kCrashes{SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
-
-// Of the handler, which has no other way to them.
-CheckProgress* progress_of_process = nullptr;
-pid_t thread_that_checks = 0;
 
 std::int64_t now_ns() { return time::SteadyClock{}.now().count(); }
-
-pid_t this_thread() { return static_cast<pid_t>(::syscall(SYS_gettid)); }
 
 bool may_move_by_itself(std::string_view call) { return call == "open" || call == "start"; }
 
@@ -42,43 +34,15 @@ std::int64_t longest_ns(std::string_view call) {
 
 CallWatch::CallWatch(CheckProgress& progress, std::chrono::seconds all_within)
     : progress_(progress),
-      checks_(this_thread()),
       all_until_ns_(now_ns() + std::chrono::nanoseconds(all_within).count()),
-      stack_(std::make_unique<std::array<std::byte, kStackBytes>>()),
       stopper_([this](const std::stop_token& ending) { stop_when_asked(ending); }),
-      watcher_([this](const std::stop_token& ending) { watch(ending); }) {
-  catch_crashes();
-}
+      watcher_([this](const std::stop_token& ending) { watch(ending); }) {}
 
 CallWatch::~CallWatch() {
   watcher_.request_stop();
   watcher_.join();
   stopper_.request_stop();
   asked_.release();
-}
-
-void CallWatch::catch_crashes() {
-  progress_of_process = &progress_;
-  thread_that_checks = checks_;
-  ::stack_t stack{};
-  stack.ss_sp = stack_->data();
-  stack.ss_size = stack_->size();
-  ::sigaltstack(&stack, nullptr);
-  struct sigaction action {};
-  action.sa_handler = note_crash;
-  action.sa_flags = SA_ONSTACK;
-  for (const int number : kCrashes) ::sigaction(number, &action, nullptr);
-}
-
-/// Leaves the thread where it is: what it was about to do next is not to be trusted.
-void CallWatch::note_crash(int number) {
-  CheckEnd none = CheckEnd::none;
-  progress_of_process->end.compare_exchange_strong(none, CheckEnd::crashed);
-  int no_signal = 0;
-  // A second one is `stop`, which crashes too.
-  if (!progress_of_process->signal.compare_exchange_strong(no_signal, number)) ::_exit(1);
-  progress_of_process->in_own_thread = this_thread() != thread_that_checks;
-  for (;;) ::pause();
 }
 
 void CallWatch::guard(device::HapticDevice* device) noexcept {
@@ -90,7 +54,7 @@ void CallWatch::guard(device::HapticDevice* device) noexcept {
 }
 
 void CallWatch::begin(const std::string& check, const char* call) {
-  while (progress_.signal != 0) ::pause();
+  while (driver::has_crashed()) ::pause();
   progress_.check.set(check);
   progress_.call.set(call);
   within_ns_ = longest_ns(call);
@@ -103,7 +67,7 @@ void CallWatch::watch(const std::stop_token& ending) {
   std::int64_t stopped_in = 0;
   while (!ending.stop_requested()) {
     std::this_thread::sleep_for(kLook);
-    if (progress_.signal != 0) end_process();
+    if (const std::string_view crash = driver::crash_in_words(); !crash.empty()) end_with(crash);
     const std::int64_t now = now_ns();
     // First, lest a call that is over is measured by the limits of the next.
     const std::int64_t within = within_ns_;
@@ -128,6 +92,13 @@ void CallWatch::stop_when_asked(const std::stop_token& ending) {
     if (device::HapticDevice* const device = device_; device != nullptr) device->stop(Nanoseconds(now_ns()));
     ++stops_;
   }
+}
+
+void CallWatch::end_with(std::string_view crash) {
+  progress_.crash.set(crash);
+  CheckEnd none = CheckEnd::none;
+  progress_.end.compare_exchange_strong(none, CheckEnd::crashed);
+  ::_exit(1);
 }
 
 void CallWatch::end_process() {

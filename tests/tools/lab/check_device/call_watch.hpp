@@ -1,13 +1,9 @@
 #pragma once
 
-#include <sys/types.h>
-
-#include <array>
 #include <atomic>
 #include <chrono>
-#include <cstddef>
-#include <memory>
 #include <semaphore>
+#include <string_view>
 #include <thread>
 
 #include "forcebound/device/haptic_device.hpp"
@@ -27,8 +23,9 @@ inline constexpr std::chrono::milliseconds kStopMost{
 ///
 /// If a call takes longer than the device holds a force, at most kStopMost, the device is stopped, on another thread,
 /// as the interface of drivers allows; but not in open and start, in which a device may be finding its zero. If the
-/// call does not return at all, or the driver crashes in whatever thread, the device is stopped likewise and the
-/// process ends; the progress tells why. It ends even if stop does not return.
+/// call does not return at all, the device is stopped likewise and the process ends; the progress tells why. It ends
+/// even if stop does not return. Likewise where the driver has crashed, and was stopped for that
+/// (driver::catch_crashes).
 class CallWatch final : public CallListener {
  public:
   /// One in a process, which has no other threads yet. `progress` must outlive the process.
@@ -40,21 +37,17 @@ class CallWatch final : public CallListener {
   /// From now on it is this device that is stopped; null: none. Not a simulated one.
   void guard(device::HapticDevice* device) noexcept;
 
-  /// Waits for ever once the driver has crashed in another thread.
+  /// Waits for ever once the driver has crashed.
   void begin(const std::string& check, const char* call) override;
   void end() override { progress_.called_ns = 0; }
 
  private:
-  static constexpr std::size_t kStackBytes = std::size_t{1} << 16U;
-
-  void catch_crashes();
-  static void note_crash(int number);
   void watch(const std::stop_token& ending);
   void stop_when_asked(const std::stop_token& ending);
+  [[noreturn]] void end_with(std::string_view crash);
   [[noreturn]] void end_process();
 
   CheckProgress& progress_;
-  pid_t checks_;  ///< the thread that calls
   std::int64_t all_until_ns_;
   std::atomic<device::HapticDevice*> device_{nullptr};
   std::int64_t hold_ns_ = std::chrono::nanoseconds(kStopMost).count();  ///< of the thread that calls
@@ -62,7 +55,6 @@ class CallWatch final : public CallListener {
   std::atomic<std::int64_t> stop_after_ns_{0};                          ///< likewise
   std::atomic<std::uint64_t> stops_{0};
   std::counting_semaphore<> asked_{0};
-  std::unique_ptr<std::array<std::byte, kStackBytes>> stack_;  ///< for a crash by too deep a recursion
   std::jthread stopper_;
   std::jthread watcher_;
 };

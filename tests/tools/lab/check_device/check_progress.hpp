@@ -29,7 +29,7 @@ class SharedText {
 enum class CheckEnd : std::uint8_t {
   none,      ///< it still runs, or ended by itself
   finished,  ///< after all checks
-  crashed,   ///< by a signal that stands for a mistake
+  crashed,   ///< the driver
   hung,      ///< a call did not return
   overdue,   ///< all of it took too long
 };
@@ -41,12 +41,11 @@ struct CheckProgress {
 
   std::atomic<bool> cancelled{false};
   std::atomic<CheckEnd> end{CheckEnd::none};
-  std::atomic<int> signal{0};              ///< of a crash
-  std::atomic<bool> in_own_thread{false};  ///< the crash was in a thread of the driver's own
-  std::atomic<bool> stopped{false};        ///< `stop` returned, after a crash or a call that did not
+  std::atomic<bool> stopped{false};        ///< `stop` returned, after a call that did not
   std::atomic<std::int64_t> called_ns{0};  ///< when the call that is in progress began; 0: none is
   SharedText<64> check{};
   SharedText<16> call{};
+  SharedText<512> crash{};  ///< in words
   std::atomic<std::size_t> row_bytes{0};
   std::array<char, kRowBytes> rows{};
 

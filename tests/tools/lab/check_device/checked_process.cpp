@@ -12,7 +12,6 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
-#include <cstring>
 #include <ctime>
 #include <memory>
 #include <new>
@@ -303,13 +302,9 @@ DeviceCheck end_of(const CheckProgress& progress, const std::string& otherwise) 
       progress.stopped ? "the device was stopped then" : "stop, called after that, did not return either";
   DeviceCheck check{.name = "calls", .verdict = Verdict::failed, .measured = {}, .accepted = "calls return"};
   switch (progress.end.load()) {
-    case CheckEnd::crashed: {
-      const int number = progress.signal;
-      const std::string in = progress.in_own_thread ? "a thread of the driver's own, during " + call : call;
-      check.measured = "crashed in " + in + " by signal " + std::to_string(number) + " (" + ::strsignal(number) + ")" +
-                       where + stopped;
+    case CheckEnd::crashed:
+      check.measured = std::string("in check '") + progress.check.text() + "' " + progress.crash.text();
       return check;
-    }
     case CheckEnd::hung: {
       const auto most = call == "close"                     ? kClosesWithin
                         : call == "open" || call == "start" ? kStartsWithin
