@@ -104,6 +104,13 @@ function faults_between(all) {
   expect(spec.counters?.sessions?.capacity === Number(value_of("--sessions-max")), "Fleet: counter is not --sessions-max");
   expect(pod.terminationGracePeriodSeconds > Number(value_of("--drain")), "Fleet: the pod is killed before --drain is over");
   expect(pod.securityContext.runAsNonRoot === true && pod.securityContext.runAsUser > 0, "Fleet: runs as root");
+  // Files of a secret are root's: a user without rights reads them as one of fsGroup alone, and the server reads no key
+  // that others may read as well.
+  const keys = container.volumeMounts.find(({ mountPath }) => mountPath === path.posix.dirname(value_of("--key")));
+  const secret = pod.volumes.find(({ name }) => name === keys?.name)?.secret;
+  expect(path.posix.dirname(value_of("--clients")) === keys?.mountPath, "Fleet: --clients is not where the keys are mounted");
+  expect(pod.securityContext.fsGroup > 0, "Fleet: no fsGroup, so that the server cannot read its keys");
+  expect((secret?.defaultMode & 0o077) === 0o040, "Fleet: the mode of the keys lets in others than fsGroup, or not that");
   expect(container.securityContext.capabilities.drop.includes("ALL"), "Fleet: keeps capabilities that it does not need");
   const { requests, limits } = container.resources;
   expect(JSON.stringify(requests) === JSON.stringify(limits), "Fleet: requests are not the limits: no processor of its own");
@@ -132,7 +139,8 @@ function faults_between(all) {
   return [...faults, ...faults_of_kind(pod_alone)];
 }
 
-const read = (name) => YAML.parse(fs.readFileSync(path.join(folder, `${name}.yaml`), "utf8"));
+// By version 1.1, as Kubernetes reads it: 0440 is octal there.
+const read = (name) => YAML.parse(fs.readFileSync(path.join(folder, `${name}.yaml`), "utf8"), { version: "1.1" });
 const manifests = () => ({
   fleet: read("fleet"),
   autoscaler: read("autoscaler"),
@@ -145,11 +153,16 @@ const manifests = () => ({
 const faults_of = (all) => [...Object.values(all).flatMap(faults_of_kind), ...faults_between(all)];
 
 const container_of = (all) => all.fleet.spec.template.spec.template.spec.containers[0];
+const pod_of = (all) => all.fleet.spec.template.spec.template.spec;
 const breaks = [
   ["a mistyped option", (all) => container_of(all).args.push("--sesions-max")],
   ["another port", (all) => (all.fleet.spec.template.spec.ports[0].containerPort = 1)],
   ["a short grace period", (all) => (all.fleet.spec.template.spec.template.spec.terminationGracePeriodSeconds = 30)],
   ["root", (all) => (all.fleet.spec.template.spec.template.spec.securityContext.runAsUser = 0)],
+  ["keys that all may read", (all) => (pod_of(all).volumes[0].secret.defaultMode = 0o444)],
+  ["keys of root alone", (all) => (pod_of(all).volumes[0].secret.defaultMode = 0o400)],
+  ["no group for the keys", (all) => delete pod_of(all).securityContext.fsGroup],
+  ["keys mounted elsewhere", (all) => (container_of(all).volumeMounts[0].mountPath = "/keys")],
   ["half a processor", (all) => (container_of(all).resources.requests.cpu = "500m")],
   ["a text for a number in the pod", (all) => (container_of(all).ports[0].containerPort = "x")],
   ["an unknown policy type", (all) => (all.policy.spec.policyTypes = "Ingress")],

@@ -1,4 +1,6 @@
 #include <gmock/gmock.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -61,6 +63,69 @@ class Encryption : public testing::Test {
 
   TemporaryFolder folder_;
 };
+
+/// A server of user 10001, as deploy/kubernetes runs it: in a group of its own, and in others as given.
+class ServersKeysOfRoot : public Encryption {
+ protected:
+  void SetUp() override {
+    if (::geteuid() != 0) GTEST_SKIP() << "only root can run a server as another user";
+    // Where the server is built, another user may have no way to it.
+    namespace fs = std::filesystem;
+    fs::permissions(folder_.path(), fs::perms::owner_all | fs::perms::group_exec | fs::perms::others_exec);
+    fs::copy_file(kServer, file("server"));
+    (void)new_pair("server.key");
+    new_shared("shared.key");
+    allow("anna", new_pair("client.key"));
+  }
+
+  /// All that Kubernetes mounts has one owner, group and mode.
+  void give(::gid_t group, ::mode_t mode) const {
+    for (const char* const name : {"server.key", "shared.key", "clients.toml"}) {
+      ASSERT_EQ(::chown(file(name).c_str(), 0, group), 0);
+      ASSERT_EQ(::chmod(file(name).c_str(), mode), 0);
+    }
+  }
+
+  [[nodiscard]] Words started(const std::string& group, const std::string& others) const {
+    return {"--reuid=10001",
+            "--regid=" + group,
+            "--groups=" + others,
+            file("server"),
+            "--listen",
+            "127.0.0.1:0",
+            "--key",
+            file("server.key"),
+            "--clients",
+            file("clients.toml"),
+            "--psk",
+            file("shared.key")};
+  }
+};
+
+constexpr ::gid_t kFsGroup = 10001;
+const char* const kSetpriv = "/usr/bin/setpriv";
+
+TEST_F(ServersKeysOfRoot, AreReadWhereOneGroupOfItsOwnMayReadThem) {
+  give(kFsGroup, 0440);
+  Process with_group(kSetpriv, started("10001", "10001"));
+  EXPECT_TRUE(with_group.wait_for("listening on ")) << with_group.err();
+  EXPECT_THAT(with_group.err(), HasSubstr("encrypted: IKpsk2"));
+  EXPECT_EQ(with_group.stop(), 0);
+  Process in_group_beside(kSetpriv, started("20002", "10001"));
+  EXPECT_TRUE(in_group_beside.wait_for("listening on ")) << in_group_beside.err();
+  EXPECT_EQ(in_group_beside.stop(), 0);
+}
+
+TEST_F(ServersKeysOfRoot, AreRefusedWhereOthersMayReadThemOrItMayNot) {
+  give(kFsGroup, 0444);
+  const Ran for_all = run(kSetpriv, started("10001", "10001"));
+  EXPECT_EQ(for_all.exit_code, 1);
+  EXPECT_THAT(for_all.err, HasSubstr("others than its owner may use it (mode 0444)"));
+  give(kFsGroup, 0400);
+  const Ran for_root = run(kSetpriv, started("10001", "10001"));
+  EXPECT_EQ(for_root.exit_code, 1);
+  EXPECT_THAT(for_root.err, HasSubstr("server.key: cannot be read: Permission denied"));
+}
 
 /// Passes datagrams on both ways, and keeps them: what somebody on the way has.
 class Recorder {

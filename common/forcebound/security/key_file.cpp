@@ -10,6 +10,7 @@
 #include <optional>
 #include <span>
 #include <system_error>
+#include <vector>
 
 #include "forcebound/config/config_error.hpp"
 #include "forcebound/text/lines.hpp"
@@ -62,13 +63,27 @@ std::string in_octal(::mode_t mode) {
   return text;
 }
 
+bool is_of_a_group_of_this_process(::gid_t group) {
+  if (group == ::getegid()) return true;
+  std::vector<::gid_t> groups(static_cast<std::size_t>(std::max(0, ::getgroups(0, nullptr))));
+  const int count = ::getgroups(static_cast<int>(groups.size()), groups.data());
+  groups.resize(static_cast<std::size_t>(std::max(0, count)));
+  return std::ranges::find(groups, group) != groups.end();
+}
+
 /// Of the file that was opened, whatever is at its path by now.
-void expect_owner_alone(const struct ::stat& file, const std::string& path) {
+void expect_secret(const struct ::stat& file, const std::string& path) {
   constexpr ::mode_t kPermissionBits = 0777;
-  if ((file.st_mode & kOthersPermissions) != 0) {
+  constexpr ::mode_t kGroupMayRead = 0040;
+  const ::mode_t to_others = file.st_mode & kOthersPermissions;
+  const bool given_by_root =
+      to_others == kGroupMayRead && file.st_uid == 0 && is_of_a_group_of_this_process(file.st_gid);
+  if (to_others != 0 && !given_by_root) {
     refuse_key_file(path, "others than its owner may use it (mode " + in_octal(file.st_mode & kPermissionBits) +
                               "), but it holds a secret; accepted is mode 0600: chmod 600, or a new key if others "
-                              "may have seen this one");
+                              "may have seen this one; of a file of root also mode 0440, if its group is one of this "
+                              "process's (it is of user " +
+                              std::to_string(file.st_uid) + " and group " + std::to_string(file.st_gid) + ")");
   }
   if (file.st_uid != ::geteuid() && file.st_uid != 0) {
     refuse_key_file(path, "it belongs to user " + std::to_string(file.st_uid) +
@@ -83,7 +98,7 @@ void read_key_file(const std::string& path, bool is_secret, KeyFileText& text) {
   struct ::stat about {};
   if (::fstat(file.get(), &about) != 0) refuse_key_file(path, "cannot be read: " + reason_of(errno));
   if (!S_ISREG(about.st_mode)) refuse_key_file(path, "cannot be read: it is no regular file");
-  if (is_secret) expect_owner_alone(about, path);
+  if (is_secret) expect_secret(about, path);
   while (text.size < text.characters.size()) {
     const ssize_t bytes = ::read(file.get(), &text.characters[text.size], text.characters.size() - text.size);
     if (bytes == 0) return;

@@ -15,7 +15,8 @@ namespace forcebound::security {
 //     forcebound-public-key Zm9y...   given to others
 //
 // A secret or shared key is refused if anybody but the file's owner may read or change it, or if the owner is neither
-// this user nor root. For set-up only. All @throw config::ConfigError in one line, which never contains a key.
+// this user nor root. Root may let one group read it that this process is in, as Kubernetes does with fsGroup. For
+// set-up only. All @throw config::ConfigError in one line, which never contains a key.
 
 /// The key pair of a secret key's file.
 [[nodiscard]] KeyPair read_key_pair(const std::string& path);

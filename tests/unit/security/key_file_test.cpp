@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <functional>
 #include <string>
@@ -67,7 +68,7 @@ TEST_F(KeyFile, MayHaveComments) {
 }
 
 TEST_F(KeyFile, IsRefusedWhereOthersMayUseIt) {
-  for (const ::mode_t mode : {0640U, 0604U, 0644U, 0620U, 0601U, 0666U, 0777U}) {
+  for (const ::mode_t mode : {0604U, 0644U, 0620U, 0660U, 0650U, 0601U, 0666U, 0777U}) {
     const std::string path = file_with("forcebound-secret-key " + secret_ + "\n", mode);
     expect_refused([&] { (void)read_key_pair(path); }, "accepted is mode 0600");
     expect_refused([&] { (void)read_shared_key(path); }, "others than its owner may use it");
@@ -77,6 +78,30 @@ TEST_F(KeyFile, IsRefusedWhereOthersMayUseIt) {
               ThrowsMessage<config::ConfigError>(
                   StartsWith(path + ": others than its owner may use it (mode 0644), but it holds a secret")));
   EXPECT_EQ(*read_key_pair(file_with("forcebound-secret-key " + secret_ + "\n", 0400)).secret, key_bytes(1));
+}
+
+// As Kubernetes gives a secret to who is not root: fsGroup, and defaultMode 0440.
+TEST_F(KeyFile, OfRootMayBeReadByOneGroupOfThisProcess) {
+  if (::geteuid() != 0) GTEST_SKIP() << "only root can make files of other groups";
+  const std::string path = file_with("forcebound-secret-key " + secret_ + "\n");
+  const auto of = [&](::uid_t user, ::gid_t group, ::mode_t mode) {
+    ASSERT_EQ(::chown(path.c_str(), user, group), 0);
+    ASSERT_EQ(::chmod(path.c_str(), mode), 0);
+  };
+  constexpr ::gid_t kOther = 54321;
+  for (const ::mode_t mode : {0440U, 0640U, 0400U}) {
+    of(0, ::getegid(), mode);
+    EXPECT_EQ(*read_key_pair(path).secret, key_bytes(1)) << mode;
+  }
+  for (const ::mode_t mode : {0460U, 0450U, 0444U, 0441U, 0640U | 0004U}) {
+    of(0, ::getegid(), mode);
+    expect_refused([&] { (void)read_key_pair(path); }, "others than its owner may use it");
+  }
+  of(0, kOther, 0440);
+  expect_refused([&] { (void)read_key_pair(path); },
+                 "mode 0440, if its group is one of this process's (it is of user 0 and group 54321)");
+  of(kOther, ::getegid(), 0440);
+  expect_refused([&] { (void)read_key_pair(path); }, "others than its owner may use it");
 }
 
 TEST_F(KeyFile, IsNeverReplaced) {
