@@ -47,6 +47,7 @@ struct SharedCounts {
 struct PageServer::Parts final : internal::Owner, Viewers {
   Parts(const Settings& chosen, Subject& shown) : settings_(chosen), subject_(shown), acceptor_(io_), timer_(io_) {
     listen();
+    let_in_.reserve(settings_.limits.connections + 1);
     hosts_.emplace(settings_.host, port_);
     timer_.expires_after(kBeat);
     wait_for_beat();
@@ -124,31 +125,29 @@ struct PageServer::Parts final : internal::Owner, Viewers {
   // Connections.
 
   /// Taken at the beat, a few at a time: whoever opens thousands waits for the others, and takes no more of the
-  /// processor.
+  /// processor. Where there is no room, the one that was there longest without showing the token makes it: whoever
+  /// keeps connections open keeps nobody else out.
   void accept_some() {
     for (std::size_t i = 0; i < settings_.limits.connections_per_beat; ++i) {
       boost::system::error_code error;
       Tcp::socket socket(io_);
       acceptor_.accept(socket, error);
       if (error) return;
-      if (connections_ >= settings_.limits.connections) {
-        turn_away(socket);
-        continue;
-      }
-      ++connections_;
-      guarded([&] { std::make_shared<internal::Connection>(std::move(socket), *this)->start(); });
+      guarded([&] {
+        const auto connection = std::make_shared<internal::Connection>(std::move(socket), *this);
+        strangers_.push_back(connection.get());
+        if (strangers_.size() + let_in_.size() > settings_.limits.connections) turn_away(*strangers_.front());
+        if (!strangers_.empty() && strangers_.back() == connection.get()) connection->start();
+      });
     }
   }
 
-  void turn_away(Tcp::socket& socket) noexcept {
-    static constexpr std::string_view kAnswer =
-        "HTTP/1.1 503 Service Unavailable\r\nContent-Type: text/plain\r\nConnection: close\r\nContent-Length: 34\r\n"
-        "\r\n503 too many connections are open\n";
+  void turn_away(internal::Connection& connection) noexcept {
     ++counts_.turned_away;
-    boost::system::error_code ignored;
-    socket.non_blocking(true, ignored);
-    socket.send(internal::asio::buffer(kAnswer.data(), kAnswer.size()), 0, ignored);
-    socket.shutdown(Tcp::socket::shutdown_both, ignored);
+    std::erase(strangers_, &connection);
+    connection.turn_away(
+        "HTTP/1.1 503 Service Unavailable\r\nContent-Type: text/plain\r\nConnection: close\r\nContent-Length: 34\r\n"
+        "\r\n503 too many connections are open\n");
   }
 
   // Owner.
@@ -164,7 +163,13 @@ struct PageServer::Parts final : internal::Owner, Viewers {
     ++counts_.requests;
     counts_.refused += refused ? 1U : 0U;
   }
-  void connection_ended() noexcept override { --connections_; }
+  void let_in(internal::Connection& connection) noexcept override {
+    if (std::erase(strangers_, &connection) > 0) let_in_.push_back(&connection);  // for which there is room
+  }
+  void connection_ended(internal::Connection& connection) noexcept override {
+    std::erase(strangers_, &connection);
+    std::erase(let_in_, &connection);
+  }
   [[nodiscard]] bool has_room_for_viewer() const noexcept override {
     return viewers_.size() < settings_.limits.viewers;
   }
@@ -212,7 +217,8 @@ struct PageServer::Parts final : internal::Owner, Viewers {
   std::optional<HostCheck> hosts_;
   std::uint16_t port_ = 0;
   SharedCounts counts_;
-  std::size_t connections_ = 0;
+  std::vector<internal::Connection*> strangers_;  // who has not shown the token, the oldest first
+  std::vector<internal::Connection*> let_in_;
   ViewerId last_viewer_ = 0;
   std::map<ViewerId, std::shared_ptr<internal::Viewer>> viewers_;
   // What waits in it refers to all above.

@@ -17,8 +17,9 @@ inline constexpr int kBeatsPerSecond = 60;
 /// What viewers, and others who connect, may take.
 struct Limits {
   std::size_t viewers = 4;
-  std::size_t connections = 32;          ///< at once, of requests that are not answered yet
-  std::size_t connections_per_beat = 8;  ///< more wait
+  std::size_t connections =
+      128;  ///< at once, of requests that are not answered yet; then the oldest without token ends
+  std::size_t connections_per_beat = 32;  ///< more wait
   std::size_t header_bytes = 8192;
   std::chrono::seconds request{5};     ///< until a request is there, and again until its answer is sent
   std::size_t message_bytes = 4096;    ///< of a viewer
@@ -33,7 +34,7 @@ struct Limits {
 struct Counts {
   std::uint64_t requests = 0;         ///< answered, refusals included
   std::uint64_t refused = 0;          ///< with a status of 400 or more
-  std::uint64_t turned_away = 0;      ///< connections beyond the limit, answered 503 unread
+  std::uint64_t turned_away = 0;      ///< connections that were ended for want of room
   std::uint64_t viewers = 0;          ///< that came
   std::uint64_t viewers_dropped = 0;  ///< because they did not read
   std::uint64_t messages = 0;         ///< of viewers
@@ -50,7 +51,8 @@ struct Counts {
 ///
 /// Refused, each with one line of text: 400 what is no HTTP or is too long, 401 without the token, 403 by a host or
 /// origin that is not ours, 404, 405 all but GET, 413 a request with a body, 429 more viewers than may be, 431 headers
-/// too long, 503 more connections than may be. No request names a path of the file system.
+/// too long, 503 the oldest of more connections than may be, those that have shown the token left out. No request names
+/// a path of the file system.
 class PageServer {
  public:
   struct Settings {

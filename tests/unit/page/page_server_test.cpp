@@ -36,6 +36,8 @@ constexpr const char* kLive = "/live?token=0123456789abcdef0123456789abcdef";
 constexpr const char* kPage = "/?token=0123456789abcdef0123456789abcdef";
 constexpr const char* kMetrics = "/metrics?token=0123456789abcdef0123456789abcdef";
 
+constexpr std::size_t kBigBytes = std::size_t{4} << 20U;
+
 /// Greets, answers what it is told, and sends what it is asked to at each beat.
 class Echo final : public Subject {
  public:
@@ -72,15 +74,19 @@ class PageServerTest : public testing::Test {
   void start(const Limits& limits = {}) {
     server.emplace(PageServer::Settings{.token = kToken,
                                         .assets = {{"index.html", {"text/html; charset=utf-8", "<p>the page"}},
-                                                   {"licences/a.txt", {"text/plain; charset=utf-8", "free"}}},
+                                                   {"licences/a.txt", {"text/plain; charset=utf-8", "free"}},
+                                                   {"big", {"text/plain", std::string(kBigBytes, 'x')}}},
                                         .limits = limits},
                    echo);
   }
 
   [[nodiscard]] std::string host() const { return "127.0.0.1:" + std::to_string(server->port()); }
 
+  /// It takes little of an answer that is not read.
   Tcp::socket connected() {
     Tcp::socket socket(io);
+    socket.open(Tcp::v4());
+    socket.set_option(asio::socket_base::receive_buffer_size(16384));
     socket.connect({asio::ip::make_address("127.0.0.1"), server->port()});
     return socket;
   }
@@ -314,6 +320,73 @@ TEST_F(PageServerTest, TurnsAwayAThousandSocketsAndServesItsViewersMeanwhile) {
   sockets.clear();
   wait_until([&] { return get("/licences/a.txt").status == 200; });
   EXPECT_EQ(server->counts().viewers_dropped, 0);
+}
+
+/// Connections that are kept open, as many as there may be and more, and never end by themselves.
+class HeldConnections : public PageServerTest {
+ protected:
+  static constexpr std::size_t kMost = 32;
+  static constexpr std::size_t kHeld = 40;
+
+  void start_full_of(const std::string& said) {
+    Limits limits;
+    limits.connections = kMost;
+    limits.connections_per_beat = 8;
+    limits.request = std::chrono::hours{1};
+    start(limits);
+    for (std::size_t i = 0; i < kHeld; ++i) {
+      held.push_back(connected());
+      asio::write(held.back(), asio::buffer(said));
+    }
+  }
+
+  [[nodiscard]] std::string request_for(const std::string& target) const {
+    return "GET " + target + " HTTP/1.1\r\nHost: " + host() + "\r\n\r\n";
+  }
+
+  std::vector<Tcp::socket> held;
+};
+
+TEST_F(HeldConnections, WithHalfRequestsKeepNobodyOutWhoHasTheToken) {
+  start_full_of("GET / HT");
+  for (int i = 0; i < 10; ++i) {
+    EXPECT_EQ(get(kPage).status, 200);
+    EXPECT_EQ(get(kMetrics).status, 200);
+  }
+  EXPECT_NE(join(), nullptr);
+  EXPECT_GE(server->counts().turned_away, kHeld - kMost);
+}
+
+TEST_F(HeldConnections, WithAnswersThatAreNotReadKeepNobodyOutWhoHasTheToken) {
+  start_full_of("");
+  const std::string big = request_for("/big");
+  for (Tcp::socket& socket : held) {
+    beast::error_code ended;
+    asio::write(socket, asio::buffer(big), ended);
+  }
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(get(kMetrics).status, 200);
+}
+
+TEST_F(HeldConnections, AreNotEndedOnceTheyHaveShownTheToken) {
+  start_full_of("GET / HT");
+  Tcp::socket owner = connected();
+  asio::write(owner, asio::buffer(request_for("/big?token=" + std::string(kToken))));
+  Tcp::socket reader = connected();
+  asio::write(reader, asio::buffer(request_for("/big")));
+  const std::uint64_t before = server->counts().turned_away;
+  std::vector<Tcp::socket> more;
+  for (std::size_t i = 0; i < kHeld; ++i) more.push_back(connected());
+  wait_until([&] { return server->counts().turned_away >= before + kHeld; });
+  const auto read_all = [](Tcp::socket& socket) {
+    beast::flat_buffer buffer;
+    http::response_parser<http::string_body> answer;
+    answer.body_limit(2 * kBigBytes);
+    beast::error_code error;
+    http::read(socket, buffer, answer, error);
+    return answer.get().body().size();
+  };
+  EXPECT_EQ(read_all(owner), kBigBytes);
+  EXPECT_LT(read_all(reader), kBigBytes) << "so there was need for room";
 }
 
 TEST_F(PageServerTest, ClosesAConnectionThatSendsNoRequest) {

@@ -20,7 +20,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     parser_.header_limit(static_cast<std::uint32_t>(owner.settings().limits.header_bytes));
     parser_.body_limit(std::uint64_t{0});
   }
-  ~Connection() { owner_.connection_ended(); }
+  ~Connection() { owner_.connection_ended(*this); }
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
 
@@ -28,6 +28,17 @@ class Connection : public std::enable_shared_from_this<Connection> {
     stream_.expires_after(owner_.settings().limits.request);
     http::async_read(stream_, received_, parser_,
                      [self = shared_from_this()](beast::error_code error, std::size_t) { self->received(error); });
+  }
+
+  /// Ends it for want of room. @param why the answer, if none has begun
+  void turn_away(std::string_view why) noexcept {
+    beast::error_code ignored;
+    if (!response_) {
+      stream_.socket().non_blocking(true, ignored);
+      stream_.socket().send(asio::buffer(why.data(), why.size()), 0, ignored);
+      stream_.socket().shutdown(asio::ip::tcp::socket::shutdown_both, ignored);
+    }
+    stream_.close();
   }
 
  private:
@@ -60,12 +71,11 @@ class Connection : public std::enable_shared_from_this<Connection> {
     if (request.method() != http::verb::get) return refuse(http::status::method_not_allowed, "GET is accepted alone");
     const std::string_view target(request.target().data(), request.target().size());
     const std::string_view path = path_of(target);
-    if (path == "/live") return answer_live(request, target);
-    if (path == "/metrics") {
-      if (!has_token(request, target)) return refuse_without_token();
-      return send(http::status::ok, "text/plain; version=0.0.4; charset=utf-8", owner_.metrics());
-    }
-    if (path == "/" && !has_token(request, target)) return refuse_without_token();
+    const bool has_token = shows_token(request, target);
+    if (has_token) owner_.let_in(*this);
+    if (!has_token && (path == "/" || path == "/live" || path == "/metrics")) return refuse_without_token();
+    if (path == "/live") return answer_live(request);
+    if (path == "/metrics") return send(http::status::ok, "text/plain; version=0.0.4; charset=utf-8", owner_.metrics());
     const std::string_view name = path == "/" ? "index.html" : path.substr(path.starts_with('/') ? 1 : 0);
     const Assets& assets = owner_.settings().assets;
     const auto found = assets.find(name);
@@ -73,8 +83,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     send(http::status::ok, found->second.type, found->second.content);
   }
 
-  void answer_live(const Request& request, std::string_view target) {
-    if (!has_token(request, target)) return refuse_without_token();
+  void answer_live(const Request& request) {
     if (!beast::websocket::is_upgrade(request)) {
       return refuse(http::status::bad_request, "this address is for a WebSocket");
     }
@@ -83,7 +92,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     owner_.admit(std::move(stream_), request);
   }
 
-  [[nodiscard]] bool has_token(const Request& request, std::string_view target) const {
+  [[nodiscard]] bool shows_token(const Request& request, std::string_view target) const {
     const std::string& token = owner_.settings().token;
     return equal_in_constant_time(query_value(target, "token"), token) ||
            equal_in_constant_time(bearer_token(value(request, http::field::authorization)), token);

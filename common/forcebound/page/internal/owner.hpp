@@ -19,6 +19,7 @@ namespace http = beast::http;
 
 using Request = http::request<http::empty_body>;
 
+class Connection;
 class Viewer;
 
 /// What connections need of the server. All on its thread.
@@ -29,7 +30,10 @@ class Owner {
   [[nodiscard]] virtual const HostCheck& hosts() const noexcept = 0;
   [[nodiscard]] virtual std::string metrics() = 0;
   virtual void answered(bool refused) noexcept = 0;
-  virtual void connection_ended() noexcept = 0;
+
+  /// It has shown the token: from now on it is not ended to make room for another.
+  virtual void let_in(Connection& connection) noexcept = 0;
+  virtual void connection_ended(Connection& connection) noexcept = 0;
 
   /// A viewer takes over the connection.
   virtual void admit(beast::tcp_stream stream, const Request& request) = 0;
