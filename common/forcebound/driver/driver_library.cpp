@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "forcebound/driver/crash.hpp"
+#include "forcebound/driver/written_by_owner.hpp"
 #include "forcebound/text/printable.hpp"
 
 namespace forcebound::driver {
@@ -24,6 +25,11 @@ constexpr const char* kEntry = "forcebound_driver_entry";
 }
 
 void* opened(const std::string& file) {
+  try {
+    expect_written_by_owner(file);
+  } catch (const std::runtime_error& error) {
+    refuse_driver(file, error.what());
+  }
   const CallInProgress in_progress(file.c_str(), "its library's initialisers");
   // Now, not while the tick runs; and with names of its own, lest two vendors' libraries meet.
   void* const library = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);

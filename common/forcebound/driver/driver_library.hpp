@@ -29,7 +29,7 @@ class DriverLibrary {
  public:
   /// @param file its path
   /// @param name as it must call itself; one of a robot, which is found by its path, may have any
-  /// @throws std::runtime_error in one line: what the file is not, or which interface it has
+  /// @throws std::runtime_error in one line: what the file is not, which interface it has, or who else may write it
   DriverLibrary(const std::string& file, const std::string& name, DriverPurpose purpose = DriverPurpose::device);
   ~DriverLibrary();
   DriverLibrary(const DriverLibrary&) = delete;
