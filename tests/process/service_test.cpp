@@ -8,10 +8,12 @@
 #include <array>
 #include <chrono>
 #include <csignal>
+#include <filesystem>
 #include <string>
 #include <string_view>
 
 #include "tests/process/programs.hpp"
+#include "tests/support/source_folder.hpp"
 
 namespace forcebound::test {
 namespace {
@@ -186,6 +188,16 @@ TEST(AService, SaysThatItReadsItsClientsAgainAndThenThatItIsReady) {
   server.signal(SIGTERM);
   EXPECT_TRUE(manager.hears("STOPPING=1"));
   EXPECT_EQ(server.wait(20s), 0);
+}
+
+TEST(EveryUnit, LeavesNoCoreFile) {
+  int units = 0;
+  for (const auto& file : std::filesystem::directory_iterator(source_folder() / "deploy" / "systemd")) {
+    if (file.path().extension() != ".service") continue;
+    ++units;
+    EXPECT_THAT(content(file.path()), HasSubstr("\nLimitCORE=0\n")) << file.path() << ": it would hold secrets";
+  }
+  EXPECT_EQ(units, 2);
 }
 
 }  // namespace
