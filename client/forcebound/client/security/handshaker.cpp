@@ -12,7 +12,9 @@ constexpr Nanoseconds kPauseLeast = std::chrono::milliseconds{100};
 constexpr Nanoseconds kPauseMost = std::chrono::seconds{2};
 constexpr Nanoseconds kRequestKept = std::chrono::seconds{30};
 // A forged offer must not make the client send at any rate.
-constexpr Nanoseconds kOfferPause = std::chrono::seconds{1};
+constexpr Nanoseconds kTryPause = std::chrono::milliseconds{20};
+// Where any key is believed: the one that was tried last is given the time for an answer.
+constexpr Nanoseconds kKeyPause = std::chrono::seconds{1};
 // A server that knows the shared key has answered by then, over most networks.
 constexpr Nanoseconds kAnswerExpected = std::chrono::seconds{3};
 constexpr std::size_t kHeardMost = 64;
@@ -81,6 +83,7 @@ void Handshaker::work(Nanoseconds now) {
   }
   if (task_ == Wanted::nothing) return;
   if (now - begun_ >= kRequestKept) begin(task_, now);
+  if (now >= next_try_) try_an_offer(now);
   if (now >= next_said_) say(now);
 }
 
@@ -111,7 +114,9 @@ void Handshaker::end() noexcept {
   handshake_.reset();
   message_bytes_ = 0;
   cookie_ = {};
-  offer_taken_ = Nanoseconds::min();
+  offers_.clear();
+  next_try_ = Nanoseconds::min();
+  next_key_ = Nanoseconds::min();
 }
 
 /// Noise's first message to `expected_`.
@@ -156,14 +161,12 @@ void Handshaker::say(Nanoseconds now) {
 
 void Handshaker::on_heard(std::span<const std::byte> datagram, Nanoseconds now) {
   const auto read = security::read_handshake(datagram);
-  if (const auto* offer = std::get_if<security::CookieOffer>(&read)) on_offer(*offer, now);
+  if (const auto* offer = std::get_if<security::CookieOffer>(&read)) on_offer(*offer);
   if (const auto* answer = std::get_if<security::HandshakeAnswer>(&read)) on_answer(*answer, now);
 }
 
-void Handshaker::on_offer(const security::CookieOffer& offer, Nanoseconds now) {
-  if (task_ != Wanted::session || offer.topic.client != topic_.client || offer.cookie == cookie_) return;
-  if (offer_taken_ != Nanoseconds::min() && now - offer_taken_ < kOfferPause) return;
-  offer_taken_ = now;
+void Handshaker::on_offer(const security::CookieOffer& offer) {
+  if (task_ != Wanted::session || offer.topic.client != topic_.client) return;
   if (offer.topic.pattern != topic_.pattern) {
     set_problem(offer.topic.pattern == security::Pattern::nn_psk0
                     ? identity_.server + " has no key pair; accepted is its shared key alone: --psk"
@@ -171,16 +174,44 @@ void Handshaker::on_offer(const security::CookieOffer& offer, Nanoseconds now) {
                           " has a key pair; accepted is its public key: --server-key or --known-servers");
     return;
   }
+  Offer kept{.cookie = offer.cookie};
   if (topic_.pattern == security::Pattern::ik_psk2) {
-    const auto key = key_to_expect(offer.server);
-    if (!key) return;
-    if (key != expected_) message_bytes_ = 0;
-    expected_ = key;
+    kept.server = key_to_expect(offer.server);
+    if (!kept.server) return;
   }
-  cookie_ = offer.cookie;
+  const bool is_tried = kept.cookie == cookie_ && kept.server == expected_;
+  if (is_tried || std::ranges::find(offers_, kept) != offers_.end()) return;
+  if (offers_.size() < kOffersMost) {
+    offers_.push_back(kept);
+  } else {
+    offers_[below(kOffersMost)] = kept;  // which by chance: a flood takes no more than its share
+  }
+}
+
+/// One of those that came since the last, by chance: in any order that is known, somebody could be first for ever.
+void Handshaker::try_an_offer(Nanoseconds now) {
+  const auto first = std::partition(offers_.begin(), offers_.end(),
+                                    [&](const Offer& offer) { return offer.server != expected_ && now < next_key_; });
+  if (first == offers_.end()) return;
+  const auto chosen = first + static_cast<std::ptrdiff_t>(below(static_cast<std::size_t>(offers_.end() - first)));
+  cookie_ = chosen->cookie;
+  if (chosen->server != expected_) {
+    expected_ = chosen->server;
+    next_key_ = now + kKeyPause;
+    message_bytes_ = 0;
+  }
+  offers_.clear();  // the server offers its own again
   if (message_bytes_ == 0) write_message();
   next_said_ = now;
+  next_try_ = now + kTryPause;
   pause_ = kPauseLeast;
+}
+
+/// A whole number by chance, less than `end`, to a precision of 2^-26 for those of ours.
+std::size_t Handshaker::below(std::size_t end) {
+  std::uint32_t number = 0;
+  random_(std::as_writable_bytes(std::span(&number, 1)));
+  return number % end;
 }
 
 /// Nothing: a key that is not believed. The key offered is not yet shown to be the server's; what is known is.
@@ -229,7 +260,8 @@ void Handshaker::on_answer(const security::HandshakeAnswer& answer, Nanoseconds 
   handshake_.reset();
   message_bytes_ = 0;
   cookie_ = {};
-  next_said_ = now + kPauseMost;
+  offers_.clear();
+  next_said_ = next_try_ = now + kPauseMost;
 }
 
 void Handshaker::on_admitted(const security::Admission& admission) {

@@ -9,6 +9,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "forcebound/security/channel.hpp"
 #include "forcebound/security/handshake_datagram.hpp"
@@ -38,6 +39,11 @@ struct Identity {
 ///
 /// A request is sent again after 0.1 s, then after twice as long, up to 2 s; the same one, so that an answer that comes
 /// late still fits. After 30 s another is made.
+///
+/// A cookie is not authentic, and somebody beside the path may send others first, as many as he likes. So one by
+/// chance of those that came since the last try is tried, at most 50 a second (60 kB: less than a session sends); the
+/// server answers a wrong one with the right one. Who wants to keep the client out for long must send hundreds for each
+/// of those.
 ///
 /// Two threads meet here: the tick's calls what stands under "tick", one other calls `work`. The rest is for any.
 class Handshaker {
@@ -104,14 +110,24 @@ class Handshaker {
   };
   struct Queues;
 
+  /// A cookie that has not been tried, and the key that is believed to be the server's.
+  struct Offer {
+    security::Cookie cookie{};
+    std::optional<security::PublicKey> server{};
+    bool operator==(const Offer&) const = default;
+  };
+  static constexpr std::size_t kOffersMost = 64;
+
   void begin(Wanted what, Nanoseconds now);
   void end() noexcept;
   void write_message();
   void say(Nanoseconds now);
   void on_heard(std::span<const std::byte> datagram, Nanoseconds now);
-  void on_offer(const security::CookieOffer& offer, Nanoseconds now);
+  void on_offer(const security::CookieOffer& offer);
+  void try_an_offer(Nanoseconds now);
   void on_answer(const security::HandshakeAnswer& answer, Nanoseconds now);
   void on_admitted(const security::Admission& admission);
+  [[nodiscard]] std::size_t below(std::size_t end);
   [[nodiscard]] std::optional<security::PublicKey> key_to_expect(const security::PublicKey& offered);
   void note_silence(Nanoseconds now);
   void set_problem(std::string text);
@@ -133,7 +149,9 @@ class Handshaker {
   Nanoseconds begun_{0};
   Nanoseconds next_said_{0};
   Nanoseconds pause_{0};
-  Nanoseconds offer_taken_{Nanoseconds::min()};
+  std::vector<Offer> offers_;
+  Nanoseconds next_try_{Nanoseconds::min()};
+  Nanoseconds next_key_{Nanoseconds::min()};  ///< when another key may be expected
 
   // Between both.
   std::atomic<Wanted> wanted_{Wanted::nothing};

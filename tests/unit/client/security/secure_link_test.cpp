@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <map>
 #include <memory>
+#include <random>
 #include <utility>
 
 #include "forcebound/client/security/handshaker.hpp"
@@ -43,8 +45,7 @@ class SecureLinkTest : public testing::Test {
  protected:
   void begin(Identity identity) {
     handshaker_ = std::make_unique<Handshaker>(std::move(identity), [this](std::span<std::byte> bytes) {
-      std::ranges::generate(
-          bytes, [this] { return static_cast<std::byte>(random_ = static_cast<std::uint8_t>(random_ * 73 + 41)); });
+      std::ranges::generate(bytes, [this] { return static_cast<std::byte>(random_()); });
     });
     secure_ = std::make_unique<SecureLink>(link_, kServer, *handshaker_, clock_);
   }
@@ -144,7 +145,7 @@ class SecureLinkTest : public testing::Test {
   std::unique_ptr<SecureLink> secure_;
   std::array<std::byte, net::kDatagramBytesMax> buffer_{};
   Bytes sent_;
-  std::uint8_t random_ = 5;
+  std::mt19937 random_{5};
 };
 
 TEST_F(SecureLinkTest, SendsNothingWithoutKeys) {
@@ -374,16 +375,86 @@ TEST_F(SecureLinkTest, TakesNoAnswerThatSomebodyForges) {
   EXPECT_TRUE(secure_->ready());
 }
 
-TEST_F(SecureLinkTest, IsNotMadeToSendByForgedOffers) {
+TEST_F(SecureLinkTest, IsMadeToSendNoMoreThan50RequestsASecondByForgedOffers) {
   begin();
   const auto asked = request();
   (void)sent();
-  for (std::uint8_t i = 1; i < 200; ++i) {
-    server_.cookie[0] = std::byte{i};
+  for (int ms = 0; ms < 10'000; ++ms) {
+    server_.cookie[0] = static_cast<std::byte>(ms);
+    server_.cookie[1] = static_cast<std::byte>(ms >> 8);
     from_server(server_.offer_for(asked));
     tick();
   }
-  EXPECT_LE(sent().size(), 3U);
+  EXPECT_LE(sent().size(), 501U);
+}
+
+/// Somebody beside the path sees each request, and has his cookies at the client 20 ms before the server's answer:
+///
+///     client ------- request -------> server, which answers wrong cookies with the right one
+///        ^ \------ seen -----> man
+///        |  `<--- forged, 20 ms ---'
+///        `<------------ answer or true cookie, 40 ms ---- server
+class ForgedCookies : public SecureLinkTest {
+ protected:
+  /// For how long the client is kept out. @param forged cookies for each request @param as the server's, or the man's
+  time::Nanoseconds kept_out(int forged, bool as_another_server = false) {
+    std::multimap<time::Nanoseconds, Bytes> on_the_way;
+    std::mt19937 of_the_man{7};
+    const time::Nanoseconds begun = clock_.time;
+    while (!secure_->ready() && clock_.time - begun < 60s) {
+      for (; !on_the_way.empty() && on_the_way.begin()->first <= clock_.time; on_the_way.erase(on_the_way.begin())) {
+        from_server(on_the_way.begin()->second);
+      }
+      tick();
+      for (const Bytes& datagram : sent()) {
+        const auto asked = ServerEnd::request_in(datagram);
+        ServerEnd man;
+        man.pattern = server_.pattern;
+        if (!as_another_server) man.own = security::key_pair_from(*server_.own.secret);
+        for (int i = 0; i < forged; ++i) {
+          std::ranges::generate(man.cookie, [&] { return static_cast<std::byte>(of_the_man()); });
+          if (as_another_server)
+            man.own = security::key_pair_from(security::key_bytes(static_cast<std::uint8_t>(of_the_man())));
+          on_the_way.emplace(clock_.time + 20ms, man.offer_for(asked));
+        }
+        const bool good = asked.cookie == server_.cookie;
+        Bytes answer = good ? server_.answer_to(asked, clock_.time) : server_.offer_for(asked);
+        if (!answer.empty()) on_the_way.emplace(clock_.time + 40ms, std::move(answer));
+      }
+    }
+    return clock_.time - begun;
+  }
+};
+
+TEST_F(ForgedCookies, BeforeTheTrueOnesDoNotKeepAClientOut) {
+  begin();
+  EXPECT_LT(kept_out(1), 1s);
+}
+
+TEST_F(ForgedCookies, DoNotKeepAClientOutThatHasASharedKeyAlone) {
+  Identity identity{.pattern = security::Pattern::nn_psk0, .server = "haptics:47800"};
+  identity.shared = security::secret_key(3);
+  server_.pattern = security::Pattern::nn_psk0;
+  begin(std::move(identity));
+  EXPECT_LT(kept_out(1), 1s);
+}
+
+TEST_F(ForgedCookies, InAnyNumberMakeItWaitForItsTurn) {
+  begin();
+  EXPECT_LT(kept_out(10), 3s);
+  begin();
+  EXPECT_LT(kept_out(100), 30s) << "5,000 forged ones a second";
+}
+
+TEST_F(ForgedCookies, WithOtherKeysDoNotKeepAClientOutThatTrustsANewServer) {
+  const test::TemporaryFolder folder;
+  Identity identity{.server = "haptics:47800", .own = security::key_pair_from(security::key_bytes(1))};
+  identity.shared = security::secret_key(3);
+  identity.known = security::KnownServers::from_file(folder.file("servers"));
+  identity.new_servers = security::NewServers::trusted;
+  begin(std::move(identity));
+  EXPECT_LT(kept_out(1, true), 30s);
+  EXPECT_EQ(security::KnownServers::from_file(folder.file("servers")).find("haptics:47800"), security::public_key(2));
 }
 
 TEST_F(SecureLinkTest, ChangesItsKeyAfterTwoMinutesWithoutAGap) {
