@@ -172,14 +172,16 @@ const std::vector<Privilege>& privileges() {
                   R"(common/forcebound/text/classic_locale\.cpp|)"
                   R"(client/forcebound/client/page/live_page\.hpp|server/forcebound/server/session/shared_limits\.hpp|)"
                   R"(server/forcebound/server/environment/scene_library\.cpp|)"
-                  R"(server/forcebound/server/security/moved_keys\.hpp|)" +
+                  R"(server/forcebound/server/security/moved_keys\.hpp|)"
+                  R"(common/forcebound/net/(name_lookup\.cpp|peer_link\.hpp)|)" +
                   kChild),
        "common/forcebound/time/real_time.cpp, common/forcebound/record/idle_thread.hpp, which measures one, the "
        "client's scene_builder.hpp and handshaker.hpp, whose counts "
        "and texts another thread reads, the client's live_page.hpp, which two threads use, "
        "the server's shared_limits.hpp, moved_keys.hpp and scene_library.cpp, which all workers share, "
-       "common/forcebound/page/page_server.cpp, common/forcebound/text/classic_locale.cpp, since the locale is of all "
-       "threads, common/forcebound/child and the shells"},
+        "common/forcebound/net/name_lookup.cpp, which waits for name servers, and peer_link.hpp, whose news another "
+        "thread takes, common/forcebound/page/page_server.cpp, common/forcebound/text/classic_locale.cpp, since the "
+        "locale is of all threads, common/forcebound/child and the shells"},
       {"sockets", std::regex(R"(#include\s*<(sys/socket|sys/epoll|poll|netdb|netinet/.*)(\.h)?>)"),
        shells_and("common/forcebound/net/(internal/)?udp.*|" + kChild),
        "common/forcebound/net/udp*, common/forcebound/child and the shells"},

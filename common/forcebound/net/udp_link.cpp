@@ -12,6 +12,7 @@
 #include <cerrno>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "forcebound/net/endpoint.hpp"
 #include "forcebound/net/internal/udp_address.hpp"
@@ -135,6 +136,26 @@ UdpLink UdpLink::towards(const Address& peer) try {
   throw std::runtime_error("cannot send to " + to_string(peer) + ": " + reason(error.code()));
 }
 
+UdpLink UdpLink::towards_nobody() try {
+  auto socket = std::make_unique<Socket>();
+  try {
+    socket->open(udp::v6(), Stamps::taken);
+  } catch (const asio::system_error&) {  // a machine without IPv6
+    socket->open(udp::v4(), Stamps::taken);
+  }
+  return UdpLink(std::move(socket));
+} catch (const asio::system_error& error) {
+  throw std::runtime_error("cannot send by UDP: " + reason(error.code()));
+}
+
+bool UdpLink::direct_to(const Address& peer) noexcept {
+  // Let go first: otherwise it would keep the address of ours from which the peer before was to be reached.
+  const sockaddr nobody{.sa_family = AF_UNSPEC, .sa_data = {}};
+  const udp::endpoint endpoint = to_asio(peer);
+  return connect(descriptor(), &nobody, sizeof nobody) == 0 &&
+         connect(descriptor(), endpoint.data(), static_cast<socklen_t>(endpoint.size())) == 0;
+}
+
 bool UdpLink::send(std::span<const std::byte> datagram, const Address& to) noexcept {
   const udp::endpoint endpoint = to_asio(to);
   for (int i = 0; i < kRefusalsSkippedMax; ++i) {
@@ -182,6 +203,8 @@ void UdpLink::wait_at_most(time::Nanoseconds duration) noexcept {
   setsockopt(descriptor(), SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
 }
 
+std::uint64_t UdpLink::refused() const noexcept { return socket_->counters.refused; }
+
 Address UdpLink::local_address() const noexcept {
   asio::error_code error;
   return from_asio(socket_->socket.local_endpoint(error));
@@ -212,17 +235,18 @@ bool wait_readable(std::span<const int> descriptors, time::Nanoseconds timeout) 
   return ppoll(polled.data(), count, &duration, nullptr) > 0;
 }
 
-Address resolve(const Endpoint& endpoint) {
+std::vector<Address> look_up(const Endpoint& endpoint) {
   asio::io_context context;
   asio::error_code error;
   const auto found = udp::resolver(context).resolve(endpoint.host, std::to_string(endpoint.port),
                                                     udp::resolver::numeric_service, error);
-  if (error || found.empty())
+  if (error || found.empty()) {
     throw std::runtime_error("cannot find the address of host '" + endpoint.host +
                              "': " + (error ? error.message() : "it has none"));
-  const auto v4 = std::find_if(found.begin(), found.end(),
-                               [](const auto& entry) { return entry.endpoint().protocol() == udp::v4(); });
-  return from_asio((v4 == found.end() ? found.begin() : v4)->endpoint());
+  }
+  std::vector<Address> addresses;
+  for (const auto& entry : found) addresses.push_back(from_asio(entry.endpoint()));
+  return in_order_of_trial(addresses);
 }
 
 }  // namespace forcebound::net

@@ -47,6 +47,16 @@ class UdpLink final : public DatagramLink {
   /// @throws std::runtime_error with the reason, such as no route.
   static UdpLink towards(const Address& peer);
 
+  /// A client's end whose peer `direct_to` says, and may change: an address of either kind, where this machine has
+  /// both.
+  ///
+  /// @throws std::runtime_error with the reason
+  static UdpLink towards_nobody();
+
+  /// From now on only this peer's datagrams arrive, beside those of one before that wait already; the port of ours is
+  /// another. False: there is no way to it now. Real time: returns at once, allocates nothing.
+  bool direct_to(const Address& peer) noexcept;
+
   UdpLink(UdpLink&&) noexcept;
   UdpLink& operator=(UdpLink&&) noexcept;
   ~UdpLink() override;
@@ -58,6 +68,8 @@ class UdpLink final : public DatagramLink {
   void wait_at_most(time::Nanoseconds duration) noexcept;
 
   [[nodiscard]] Address local_address() const noexcept;
+  /// As in `counters`, without asking the system.
+  [[nodiscard]] std::uint64_t refused() const noexcept;
   /// Asks the system: a call of it, not for each tick.
   [[nodiscard]] UdpCounters counters() const noexcept;
 

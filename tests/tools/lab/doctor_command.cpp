@@ -46,11 +46,11 @@ void add_doctor(CLI::App& app) {
   auto options = std::make_shared<DoctorCommandOptions>();
   CLI::App* command = app.add_subcommand(
       "doctor", "What the way to a server and this machine will feel like, and what to change first");
-  command->add_option("--server", options->settings.server, "server to examine the way to")
+  command->add_option("--server", options->settings.server.name, "server to examine the way to")
       ->required()
       ->check(program::accepted_by([](const std::string& peer) { (void)net::parse_peer(peer); }))
       ->type_name("HOST:PORT");
-  client::add_identity_options(*command, options->settings.identity);
+  client::add_identity_options(*command, options->settings.server.identity);
   command->add_option("--seconds", options->settings.seconds, "length of the measurement")
       ->type_name("SECONDS")
       ->check(program::number_within(kDoctorSeconds_min, kDoctorSeconds_max))

@@ -13,7 +13,10 @@
 #include <optional>
 #include <random>
 #include <stdexcept>
+#include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "forcebound/program/command_line.hpp"
 #include "forcebound/program/log.hpp"
@@ -60,7 +63,7 @@ void wake_up_precisely() {
     spdlog::info("no real-time scheduling permitted: packets may leave a little late, see the summary");
 }
 
-relay::RelaySettings settings_of(const relay::Options& options, const relay::Address& upstream, Nanoseconds start) {
+relay::RelaySettings settings_of(const relay::Options& options, Nanoseconds start) {
   std::optional<netem::NetworkTrace> trace;
   if (!options.trace.empty()) trace = netem::load_trace(options.trace);
   const auto direction = [&](netem::Direction which, const netem::NetemParameters& netem,
@@ -73,7 +76,7 @@ relay::RelaySettings settings_of(const relay::Options& options, const relay::Add
   };
   return {.up = direction(netem::Direction::up, options.up, options.up_blackholes),
           .down = direction(netem::Direction::down, options.down, options.down_blackholes),
-          .upstream = upstream};
+          .upstream = net::PeerLink::kPeer};
 }
 
 std::string words(const std::string& netem, const std::vector<netem::Blackhole>& blackholes) {
@@ -85,9 +88,9 @@ std::string words(const std::string& netem, const std::vector<netem::Blackhole>&
   return text.empty() ? "perfect" : text;
 }
 
-void announce(const relay::Options& options, const relay::Address& listen, const relay::Address& upstream) {
+void announce(const relay::Options& options, const relay::Address& listen, const std::string& upstream) {
   std::string text = fmt::format("forcebound-relay: listening on {}, upstream {}, seed {}\n", to_string(listen),
-                                 to_string(upstream), options.seed);
+                                 upstream, options.seed);
   text += fmt::format("  up:     {}\n  down:   {}\n", words(options.up_words, options.up_blackholes),
                       words(options.down_words, options.down_blackholes));
   if (!options.trace.empty()) text += fmt::format("  trace:  {}\n", options.trace);
@@ -136,14 +139,37 @@ class ControlSocket {
   std::array<std::byte, net::kDatagramBytesMax> buffer_{};
 };
 
-void run(relay::Relay& relay, const net::UdpLink& downstream, const relay::UdpUpstream& upstream,
-         std::optional<ControlSocket>& control) {
+/// Says where the server was found, and why its name leads nowhere.
+class ServerWords {
+ public:
+  ServerWords(relay::UdpUpstream& upstream, const net::NameLookup& lookup) : upstream_(upstream), lookup_(lookup) {}
+
+  void say_what_is_new() {
+    for (const std::string& found : upstream_.take_news()) spdlog::info("server {}", found);
+    const std::uint64_t lookups = lookup_.ended();
+    if (lookups == std::exchange(told_of_, lookups)) return;
+    std::string problem = lookup_.problem();
+    if (problem == std::exchange(problem_, problem) || problem.empty()) return;
+    spdlog::warn("{}; trying again while clients are there", problem);
+  }
+
+ private:
+  relay::UdpUpstream& upstream_;
+  const net::NameLookup& lookup_;
+  std::uint64_t told_of_ = 0;
+  std::string problem_{};
+};
+
+void run(relay::Relay& relay, const net::UdpLink& downstream, relay::UdpUpstream& upstream,
+         const net::NameLookup& server, std::optional<ControlSocket>& control) {
   std::vector<int> descriptors;
+  ServerWords words(upstream, server);
   while (stop_asked == 0) {
     relay.forward(now());
     relay.receive(now());
     relay.forward(now());
     if (control) control->receive();
+    if (server.is_name()) words.say_what_is_new();
     descriptors = upstream.descriptors();
     descriptors.push_back(downstream.descriptor());
     if (control) descriptors.push_back(control->descriptor());
@@ -170,22 +196,34 @@ bool is_itself(const relay::Address& upstream, const relay::Address& listen) {
   return upstream.port == listen.port && is_any(listen) && (is_any(upstream) || is_loopback(upstream));
 }
 
+/// The addresses of --upstream. @throws std::invalid_argument if one of them is the relay itself
+net::Resolver resolver_but_for(const relay::Address& listen) {
+  return [listen](const net::Endpoint& upstream) {
+    std::vector<relay::Address> found = net::look_up(upstream);
+    for (const relay::Address& address : found) {
+      if (is_itself(address, listen)) {
+        throw std::invalid_argument("--upstream: " + to_string(address) +
+                                    " is --listen, the relay itself; expected the server's address");
+      }
+    }
+    return found;
+  };
+}
+
 int relay_until_stopped(const relay::Options& options) {
-  const relay::Address upstream_address = net::resolve(options.upstream);
+  const time::SteadyClock clock;
   const relay::Address listen_address = net::resolve(options.listen);
-  if (is_itself(upstream_address, listen_address)) {
-    throw std::invalid_argument("--upstream: " + to_string(upstream_address) +
-                                " is --listen, the relay itself; expected the server's address");
-  }
+  net::NameLookup server(options.upstream, resolver_but_for(listen_address));
+  if (!server.is_name() && server.addresses().empty()) throw std::runtime_error(server.problem());
   const Nanoseconds start = now();
-  relay::RelaySettings settings = settings_of(options, upstream_address, start);
+  relay::RelaySettings settings = settings_of(options, start);
   if (const std::size_t room = relay::UdpUpstream::make_room(settings.flows_max); room < settings.flows_max) {
     spdlog::warn("the limit on open files (ulimit -n) leaves room for {}, not for {} at once",
                  text::counted(room, "client"), settings.flows_max);
     settings.flows_max = room;
   }
   net::UdpLink downstream = net::UdpLink::listen(listen_address);
-  relay::UdpUpstream upstream(upstream_address);
+  relay::UdpUpstream upstream(server, clock);
   std::unique_ptr<relay::LogWriter> log;
   if (!options.log.empty()) {
     log = std::make_unique<relay::LogWriter>(options.log, start, [&options](const std::string& why) {
@@ -197,15 +235,15 @@ int relay_until_stopped(const relay::Options& options) {
   if (options.control) control.emplace(*options.control, relay::Control(relay, {options.up_words, options.down_words}));
 
   stop_on_signals();
-  announce(options, downstream.local_address(), upstream_address);
+  announce(options, downstream.local_address(), server.in_words());
   if (control) spdlog::info("new impairments are taken at {}", to_string(control->address()));
   wake_up_precisely();
-  run(relay, downstream, upstream, control);
+  run(relay, downstream, upstream, server, control);
 
   fmt::print("{}", relay::summary(relay));
   if (upstream.refused() != 0)
     fmt::print("{} refused by {}: port unreachable (ICMP)\n", text::counted(upstream.refused(), "datagram"),
-               to_string(upstream_address));
+               server.in_words());
   if (downstream.counters().overflowed != 0)
     fmt::print("{} of clients lost: the socket was full\n",
                text::counted(downstream.counters().overflowed, "datagram"));

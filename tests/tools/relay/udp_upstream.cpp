@@ -9,7 +9,7 @@
 namespace forcebound::relay {
 
 net::DatagramLink* UdpUpstream::open() try {
-  auto link = std::make_unique<net::UdpLink>(net::UdpLink::towards(server_));
+  auto link = std::make_unique<net::PeerLink>(server_, clock_, net::PeerLink::Found::by_answer);
   descriptors_.push_back(link->descriptor());
   return links_.emplace_back(std::move(link)).get();
 } catch (const std::runtime_error& error) {
@@ -37,6 +37,16 @@ std::size_t UdpUpstream::make_room(std::size_t clients) noexcept {
   }
   if (files.rlim_cur == RLIM_INFINITY || files.rlim_cur >= wanted) return clients;
   return files.rlim_cur > kOthers ? static_cast<std::size_t>(files.rlim_cur - kOthers) : 1;
+}
+
+std::vector<std::string> UdpUpstream::take_news() {
+  std::vector<std::string> all;
+  for (const auto& link : links_) {
+    // Each client finds it; what all of them find is said once.
+    if (std::string found = link->take_news(); !found.empty() && found != told_)
+      all.push_back(told_ = std::move(found));
+  }
+  return all;
 }
 
 std::uint64_t UdpUpstream::refused() const noexcept {

@@ -2,9 +2,11 @@
 
 #include <cstddef>
 #include <memory>
+#include <string>
 #include <vector>
 
-#include "forcebound/net/udp_link.hpp"
+#include "forcebound/net/name_lookup.hpp"
+#include "forcebound/net/peer_link.hpp"
 #include "tests/tools/relay/relay.hpp"
 
 namespace forcebound::relay {
@@ -12,7 +14,8 @@ namespace forcebound::relay {
 /// One UDP socket towards the server for each client.
 class UdpUpstream final : public UpstreamLinks {
  public:
-  explicit UdpUpstream(const Address& server) : server_(server) {}
+  /// Finds the server for each client by itself; the lookup must outlive it.
+  UdpUpstream(net::NameLookup& server, const time::Clock& clock) : server_(server), clock_(clock) {}
 
   net::DatagramLink* open() override;
   void close(net::DatagramLink& link) override;
@@ -24,15 +27,20 @@ class UdpUpstream final : public UpstreamLinks {
   /// @returns for how many there can be now, as far as that limit goes
   [[nodiscard]] static std::size_t make_room(std::size_t clients) noexcept;
 
+  /// Where the server was found, one line for each change.
+  [[nodiscard]] std::vector<std::string> take_news();
+
   /// Datagrams refused by the server's machine with port unreachable (ICMP).
   [[nodiscard]] std::uint64_t refused() const noexcept;
 
  private:
-  Address server_;
-  std::vector<std::unique_ptr<net::UdpLink>> links_;
+  net::NameLookup& server_;
+  const time::Clock& clock_;
+  std::vector<std::unique_ptr<net::PeerLink>> links_;
   std::vector<int> descriptors_;  // as links_
   std::uint64_t refused_of_closed_ = 0;
   bool failure_reported_ = false;
+  std::string told_{};
 };
 
 }  // namespace forcebound::relay

@@ -51,7 +51,7 @@ class LiveRun {
       : options_(options), maker_(options, laws, devices), stop_(stop), page_(clock_) {
     choice_ = maker_.first_choice();
     if (!options.relay_control.empty()) {
-      relay_.emplace(options.relay_control);
+      relay_.emplace(options.relay_control, clock_);
       network_ = relay_->network();
     }
     const page::PageServer::Settings settings = page::page_settings(*options.page, program_path());
@@ -121,7 +121,7 @@ class LiveRun {
     of_run.law = choice_.law;
     Client client(main.settings, *main.device, std::move(main.law), {&line, main.tap.get()});
     spdlog::info("{}; law {}, server {}, {}", first_words(*main.device, main.settings.hand), choice_.law,
-                 options_.server, encryption_in_words(options_));
+                 client.server_in_words(), encryption_in_words(options_));
     warn_of_hand(main.settings.hand, *main.device);
     Screen screen(of_run, line, client.events(), [this](const EventWords& words) { show_event(0, words); });
     Beside beside;
@@ -158,9 +158,9 @@ class LiveRun {
 
   /// What is to be done several times a second.
   void attend(Client& client, const LiveTrack& main, Screen& screen, time::Nanoseconds now, time::Nanoseconds elapsed) {
-    if (const std::string news = client.take_security_news(); !news.empty()) screen.tell_security(news);
-    if (const std::string why = client.take_security_problem(); !why.empty()) screen.tell_security_problem(why);
-    screen.refresh(now, elapsed);
+    if (const std::string news = client.take_server_news(); !news.empty()) screen.tell_news(news);
+    if (const std::string why = client.take_server_problem(); !why.empty()) screen.tell_problem(why);
+    screen.refresh(now, elapsed, client.server_in_words());
     if (const std::string fault = client.take_recording_fault(); !fault.empty()) screen.tell_recording_fault(fault);
     show_scene(0, client);
     while (!next_) {

@@ -55,8 +55,8 @@ int run(const Options& options, const std::atomic<bool>& stop) {
 
   LiveLine line;
   Client client(settings, *device, std::move(law), {&line});
-  spdlog::info("{}; law {}, server {}, {}", first_words(*device, options.device.hand), options.law, options.server,
-               encryption_in_words(options));
+  spdlog::info("{}; law {}, server {}, {}", first_words(*device, options.device.hand), options.law,
+               client.server_in_words(), encryption_in_words(options));
   warn_of_hand(options.device.hand, *device);
   Screen screen(options, line, client.events());
   Nanoseconds last{0};
@@ -66,11 +66,11 @@ int run(const Options& options, const std::atomic<bool>& stop) {
       grant_told = true;
       spdlog::info("tick thread: {}", *client.real_time_grant());
     }
-    if (const std::string news = client.take_security_news(); !news.empty()) screen.tell_security(news);
-    if (const std::string problem = client.take_security_problem(); !problem.empty()) {
-      screen.tell_security_problem(problem);
+    if (const std::string news = client.take_server_news(); !news.empty()) screen.tell_news(news);
+    if (const std::string problem = client.take_server_problem(); !problem.empty()) {
+      screen.tell_problem(problem);
     }
-    screen.refresh(now, elapsed);
+    screen.refresh(now, elapsed, client.server_in_words());
     if (const std::string fault = client.take_recording_fault(); !fault.empty()) screen.tell_recording_fault(fault);
     last = now;
   };

@@ -33,8 +33,8 @@ Screen::Screen(const Options& options, const LiveLine& line, EventQueue& events,
       events_(events),
       also_(std::move(also)) {}
 
-void Screen::refresh(Nanoseconds now, Nanoseconds elapsed) {
-  if (elapsed > kNoAnswerTold && !options_.once) warn_of_no_answer();
+void Screen::refresh(Nanoseconds now, Nanoseconds elapsed, const std::string& server) {
+  if (elapsed > kNoAnswerTold && !options_.once) warn_of_no_answer(server);
   log_events(now);
   if (live_) std::fprintf(stderr, "%s%s", kClearLine, line_.text(columns() - 1).c_str());
 }
@@ -50,19 +50,17 @@ void Screen::tell_recording_fault(const std::string& fault) const {
   say({spdlog::level::err, fault + "; the run goes on"});
 }
 
-void Screen::tell_security(const std::string& news) const { say({spdlog::level::info, news}); }
+void Screen::tell_news(const std::string& news) const { say({spdlog::level::info, news}); }
 
-void Screen::tell_security_problem(const std::string& problem) const {
-  say({spdlog::level::warn, problem + "; retrying"});
-}
+void Screen::tell_problem(const std::string& problem) const { say({spdlog::level::warn, problem + "; retrying"}); }
 
 void Screen::clear() const {
   if (live_) std::fputs(kClearLine, stderr);
 }
 
-void Screen::warn_of_no_answer() {
+void Screen::warn_of_no_answer(const std::string& server) {
   if (line_.state() != record::SessionState::connecting || std::exchange(no_answer_told_, true)) return;
-  say({spdlog::level::warn, "no answer from " + options_.server + " yet; retrying"});
+  say({spdlog::level::warn, "no answer from " + server + " yet; retrying"});
 }
 
 void Screen::log_events(Nanoseconds now) {

@@ -20,21 +20,21 @@ class Screen {
   /// All must outlive it.
   Screen(const Options& options, const LiveLine& line, EventQueue& events, Also also = {});
 
-  /// To be called several times a second.
-  void refresh(time::Nanoseconds now, time::Nanoseconds elapsed);
+  /// To be called several times a second. @param server as Client::server_in_words
+  void refresh(time::Nanoseconds now, time::Nanoseconds elapsed, const std::string& server);
 
   /// Logs that the recording has become incomplete.
   void tell_recording_fault(const std::string& fault) const;
 
-  /// Logs what the handshakes came to, or why one does not succeed.
-  void tell_security(const std::string& news) const;
-  void tell_security_problem(const std::string& problem) const;
+  /// Logs where the server is and what handshakes came to, or why it is not found or lets nobody in.
+  void tell_news(const std::string& news) const;
+  void tell_problem(const std::string& problem) const;
 
   /// Erases the live line and logs the remaining events.
   void end(time::Nanoseconds now);
 
  private:
-  void warn_of_no_answer();
+  void warn_of_no_answer(const std::string& server);
   void log_events(time::Nanoseconds now);
   void say(const EventWords& words) const;
   void log_late_force(const LateForceLog::Line& line) const;

@@ -7,6 +7,7 @@
 #include <span>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 #include "forcebound/net/endpoint.hpp"
 #include "forcebound/text/numbers.hpp"
@@ -15,7 +16,9 @@
 namespace forcebound::client {
 namespace {
 
-constexpr std::chrono::milliseconds kAnswer{500};
+// Where nobody is there that is known at once.
+constexpr int kAskedMost = 8;
+constexpr std::chrono::milliseconds kAskAgain{125};
 
 /// "50ms", "1s", "500us": in ms. Nothing: it is no time.
 std::optional<double> milliseconds(std::string_view word) {
@@ -74,8 +77,8 @@ std::optional<page::Network> network_of(std::string_view answer) {
   return network;
 }
 
-RelayControl::RelayControl(const std::string& address)
-    : address_(address), relay_(net::resolve(net::parse_peer(address))), link_(net::UdpLink::towards(relay_)) {}
+RelayControl::RelayControl(const std::string& address, const time::Clock& clock, net::Resolver resolver)
+    : lookup_(net::parse_peer(address), std::move(resolver)), link_(lookup_, clock, net::PeerLink::Found::by_answer) {}
 
 page::Network RelayControl::network() { return ask("status"); }
 page::Network RelayControl::set(const page::Network& network) { return ask(relay_line(network)); }
@@ -86,17 +89,20 @@ page::Network RelayControl::ask(const std::string& line) {
   while (link_.receive(buffer)) {
     // An answer that came too late for the question before.
   }
-  const bool sent = link_.send(std::as_bytes(std::span(line)), relay_);
   const std::array descriptors{link_.descriptor()};
-  const bool came = sent && net::wait_readable(descriptors, kAnswer);
-  const auto received = came ? link_.receive(buffer) : std::nullopt;
+  std::optional<net::Received> received;
+  for (int asked = 0; asked < kAskedMost && !received; ++asked, received = link_.receive(buffer)) {
+    (void)link_.send(std::as_bytes(std::span(line)), net::PeerLink::kPeer);
+    net::wait_readable(descriptors, kAskAgain);
+  }
   if (!received) {
-    throw std::runtime_error("no answer from a relay at " + address_ + ", which needs forcebound-relay --control");
+    throw std::runtime_error("no answer from a relay at " + lookup_.in_words() +
+                             ", which needs forcebound-relay --control");
   }
   const auto bytes = std::span(buffer).first(std::min(received->bytes, buffer.size()));
   const std::string answer(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   const auto network = network_of(answer);
-  if (!network) throw std::runtime_error("the relay at " + address_ + " says: " + text::printable(answer));
+  if (!network) throw std::runtime_error("the relay at " + lookup_.in_words() + " says: " + text::printable(answer));
   return *network;
 }
 

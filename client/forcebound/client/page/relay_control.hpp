@@ -4,8 +4,10 @@
 #include <string>
 #include <string_view>
 
-#include "forcebound/net/udp_link.hpp"
+#include "forcebound/net/name_lookup.hpp"
+#include "forcebound/net/peer_link.hpp"
 #include "forcebound/page/request.hpp"
+#include "forcebound/time/clock.hpp"
 
 namespace forcebound::client {
 
@@ -19,12 +21,14 @@ namespace forcebound::client {
 /// delay, jitter and loss. Nothing: it is none.
 [[nodiscard]] std::optional<page::Network> network_of(std::string_view answer);
 
-/// Tells a forcebound-relay with --control what network to emulate. Each call waits for the answer, half a second at
-/// most.
+/// Tells a forcebound-relay with --control what network to emulate. Each call waits for the answer, a second at most;
+/// meanwhile it asks again, each address of a name by turns, which is looked up again where none answers.
 class RelayControl {
  public:
-  /// @throws std::invalid_argument for what is no HOST:PORT; std::runtime_error if there is no way to it
-  explicit RelayControl(const std::string& address);
+  /// @throws std::invalid_argument for what is no HOST:PORT; std::runtime_error if there is no way to it. A name
+  /// without an address is no reason: it may have one later.
+  /// @param clock must outlive it
+  RelayControl(const std::string& address, const time::Clock& clock, net::Resolver resolver = net::look_up);
 
   /// The network that is emulated now. @throws std::runtime_error naming the relay if it does not answer as one
   [[nodiscard]] page::Network network();
@@ -35,9 +39,8 @@ class RelayControl {
  private:
   page::Network ask(const std::string& line);
 
-  std::string address_;
-  net::Address relay_;
-  net::UdpLink link_;
+  net::NameLookup lookup_;
+  net::PeerLink link_;
 };
 
 }  // namespace forcebound::client

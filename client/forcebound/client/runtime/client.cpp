@@ -18,7 +18,8 @@
 #include "forcebound/client/runtime/zero_force_first.hpp"
 #include "forcebound/client/session/session.hpp"
 #include "forcebound/net/endpoint.hpp"
-#include "forcebound/net/udp_link.hpp"
+#include "forcebound/net/name_lookup.hpp"
+#include "forcebound/net/peer_link.hpp"
 #include "forcebound/record/idle_thread.hpp"
 #include "forcebound/record/recorder.hpp"
 #include "forcebound/record/recording_watch.hpp"
@@ -35,7 +36,8 @@ constexpr int kStuckLooks = 40;  // of housekeeping: 2 s
 constexpr Nanoseconds kBuilding = std::chrono::milliseconds{2};
 
 record::RunInfo run_info(const Client::Settings& settings, const device::HapticDevice& device,
-                         const control::PassivityLaw& law, const time::Clock& clock, std::string_view encryption) {
+                         const control::PassivityLaw& law, const time::Clock& clock, const std::string& server,
+                         std::string_view encryption) {
   const control::DeviceFacts& facts = device.facts();
   record::RunInfo info;
   info.program = settings.program;
@@ -47,7 +49,7 @@ record::RunInfo run_info(const Client::Settings& settings, const device::HapticD
   info.hand = device.hand_in_words();
   info.scene = settings.scene;
   info.rendering = settings.renders_locally ? "local" : "remote";
-  info.network = "server " + settings.server + (settings.network.empty() ? "" : ", " + settings.network);
+  info.network = "server " + server + (settings.network.empty() ? "" : ", " + settings.network);
   info.encryption = encryption;
   info.seed = settings.seed;
   info.period = time::from_seconds(facts.period_s);
@@ -61,17 +63,25 @@ record::RunInfo run_info(const Client::Settings& settings, const device::HapticD
   return info;
 }
 
-/// Null: nothing is encrypted. @throws std::invalid_argument if the user has not accepted that on the way to another
-/// machine
-std::unique_ptr<Encryption> make_encryption(const Client::Settings& settings, const net::Address& server,
-                                            net::DatagramLink& link, const time::Clock& clock) {
-  if (settings.identity.any()) {
-    return std::make_unique<Encryption>(settings.identity, settings.server, link, server, clock);
-  }
-  if (settings.insecure || net::is_loopback(server)) return nullptr;
-  throw std::invalid_argument("server " + settings.server +
-                              " is on another machine, and no keys are given; accepted are --server-key or "
-                              "--known-servers, --psk, or --insecure if everybody on the way is trusted");
+/// Finds, where nothing is encrypted and the user has not accepted that, addresses of this machine alone; it throws
+/// std::invalid_argument if the server is on another.
+net::Resolver resolver_of(const Client::Settings& settings) {
+  if (settings.identity.any() || settings.insecure) return settings.resolver;
+  return [resolver = settings.resolver, server = settings.server](const net::Endpoint& endpoint) {
+    std::vector<net::Address> found = resolver(endpoint);
+    std::erase_if(found, [](const net::Address& address) { return !net::is_loopback(address); });
+    if (!found.empty()) return found;
+    throw std::invalid_argument("server " + server +
+                                " is on another machine, and no keys are given; accepted are --server-key or "
+                                "--known-servers, --psk, or --insecure if everybody on the way is trusted");
+  };
+}
+
+/// Null: nothing is encrypted.
+std::unique_ptr<Encryption> make_encryption(const Client::Settings& settings, net::DatagramLink& link,
+                                            const time::Clock& clock) {
+  if (!settings.identity.any()) return nullptr;
+  return std::make_unique<Encryption>(settings.identity, settings.server, link, net::PeerLink::kPeer, clock);
 }
 
 /// Without a tick, before the watchdog stops the device: the time that it holds a force, and two ticks at least.
@@ -93,10 +103,10 @@ struct Client::Parts {
         std::vector<record::TickSink*> others)
       : settings(chosen),
         device(its_device),
-        server(net::resolve(net::parse_endpoint(settings.server))),
-        link(net::UdpLink::towards(server)),
-        encryption(make_encryption(settings, server, link, clock)),
-        info(run_info(settings, device, *law, clock,
+        lookup(net::parse_endpoint(settings.server), resolver_of(settings)),
+        link(lookup, clock, net::PeerLink::Found::by_session),
+        encryption(make_encryption(settings, link, clock)),
+        info(run_info(settings, device, *law, clock, lookup.in_words(),
                       encryption ? security::name_of(encryption->handshaker().pattern()) : "none")),
         summary(info),
         sinks(std::move(others)) {
@@ -112,7 +122,7 @@ struct Client::Parts {
                                           .cache_folder = settings.scene_cache,
                                           .limits = handover::Limits::of_period(device.facts().period_s)});
     }
-    session.emplace(Session::Options{.server = server,
+    session.emplace(Session::Options{.server = net::PeerLink::kPeer,
                                      .scene = settings.scene,
                                      .policy = settings.policy,
                                      .seed = settings.seed,
@@ -122,6 +132,18 @@ struct Client::Parts {
                                      .send_rate = settings.send_rate},
                     device, std::move(law), encryption ? static_cast<net::DatagramLink&>(encryption->link()) : link,
                     clock, Session::Sinks{.ticks = sinks, .events = &events, .view = settings.view});
+  }
+
+  /// With the addresses of a server by name, which the handshake does not know.
+  [[nodiscard]] std::string handshake_problem() const {
+    std::string problem = encryption ? encryption->handshaker().problem() : std::string();
+    if (!problem.empty() && lookup.is_name()) problem += "; " + lookup.in_words();
+    return problem;
+  }
+
+  [[nodiscard]] std::string server_problem() const {
+    std::string problem = handshake_problem();
+    return problem.empty() ? lookup.problem() : problem;
   }
 
   /// What has come of the scene since the last call, as pictures show it. Not for the tick's thread.
@@ -161,8 +183,8 @@ struct Client::Parts {
   Settings settings;
   device::HapticDevice& device;
   time::SteadyClock clock;
-  net::Address server;
-  net::UdpLink link;
+  net::NameLookup lookup;
+  net::PeerLink link;
   std::unique_ptr<Encryption> encryption;
   record::RunInfo info;
   record::Summary summary;
@@ -199,7 +221,8 @@ void Client::run(const std::atomic<bool>& stop, const Housekeeping& housekeeping
   TickLoop loop({.period = p.info.period,
                  .duration_s = p.settings.duration_s,
                  .once = p.settings.once,
-                 .watchdog = watchdog ? &*watchdog : nullptr},
+                 .watchdog = watchdog ? &*watchdog : nullptr,
+                 .way = &p.link},
                 *p.session, p.clock, p.grant, stop);
   const Nanoseconds start = p.clock.now();
   p.began = start;
@@ -250,17 +273,24 @@ std::string Client::take_recording_fault() {
   return parts_->writer ? parts_->recording_watch.take(parts_->recorder, *parts_->writer) : std::string();
 }
 
-std::string Client::take_security_news() {
-  return parts_->encryption ? parts_->encryption->handshaker().take_news() : std::string();
+std::string Client::take_server_news() {
+  Parts& p = *parts_;
+  if (const std::string found = p.link.take_news(); !found.empty()) {
+    note(found);
+    return found;
+  }
+  return p.encryption ? p.encryption->handshaker().take_news() : std::string();
 }
 
-std::string Client::take_security_problem() {
-  if (!parts_->encryption) return {};
-  std::string problem = parts_->encryption->handshaker().problem();
-  if (problem == parts_->problem_told) return {};
-  parts_->problem_told = problem;
+std::string Client::take_server_problem() {
+  Parts& p = *parts_;
+  std::string problem = p.server_problem();
+  if (problem == p.problem_told) return {};
+  p.problem_told = problem;
   return problem;
 }
+
+std::string Client::server_in_words() const { return parts_->lookup.in_words(); }
 
 void Client::note(const std::string& line) {
   constexpr std::size_t kNotesMost = 100;
@@ -283,13 +313,10 @@ const std::string* Client::real_time_grant() const noexcept { return parts_->gra
 
 std::string Client::why_no_session() const {
   if (!parts_->outcome.gave_up) return {};
-  const std::string& server = parts_->settings.server;
-  if (parts_->session->refused()) return server + " refused";
-  if (parts_->encryption) {
-    if (std::string problem = parts_->encryption->handshaker().problem(); !problem.empty()) return problem;
-  }
+  if (parts_->session->refused()) return server_in_words() + " refused";
+  if (std::string problem = parts_->handshake_problem(); !problem.empty()) return problem;
   const bool unreachable = parts_->link.counters().refused > 0;
-  return "no answer from " + server + (unreachable ? ": port unreachable (ICMP)" : "");
+  return "no answer from " + server_in_words() + (unreachable ? ": port unreachable (ICMP)" : "");
 }
 
 }  // namespace forcebound::client

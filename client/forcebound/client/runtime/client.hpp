@@ -13,6 +13,7 @@
 #include "forcebound/client/session/view_sink.hpp"
 #include "forcebound/control/law.hpp"
 #include "forcebound/device/haptic_device.hpp"
+#include "forcebound/net/endpoint.hpp"
 #include "forcebound/record/recording_writer.hpp"
 #include "forcebound/record/summary.hpp"
 #include "forcebound/record/tick_record.hpp"
@@ -36,7 +37,7 @@ class Client {
  public:
   /// Whom to connect to, how long, and what is written down. All but the server may be left out.
   struct Settings {
-    std::string server;        ///< HOST:PORT
+    std::string server;        ///< HOST:PORT; what a name leads to is tried by turns, and looked up again
     IdentityFiles identity{};  ///< keys; none: not encrypted, which is accepted on this machine alone
     bool insecure = false;     ///< not encrypted is accepted to any server
     std::string scene{};       ///< requested; empty: the server's default
@@ -54,6 +55,7 @@ class Client {
     /// devices alone.
     bool beside = false;
     ViewSink* view = nullptr;  ///< is told how the scene looks, by servers that tell; must outlive the client
+    net::Resolver resolver = net::look_up;  ///< finds the addresses of the server's name
     // Further entries of the recording's metadata.
     std::string program{};
     std::string law{};  ///< its name; empty: the law's own
@@ -75,7 +77,8 @@ class Client {
 
   /// Connects and opens the recording; does not start the device yet. `device` and `sinks` must outlive it.
   /// @throws std::invalid_argument if the server is on another machine, and neither keys nor `insecure` are given;
-  /// std::exception with a message of one line: server, keys, recording, policy or what the controller refuses.
+  /// std::exception with a message of one line: keys, recording, policy or what the controller refuses. A name without
+  /// an address is no reason: it may have one later.
   Client(const Settings& settings, device::HapticDevice& device, std::unique_ptr<control::PassivityLaw> law,
          std::vector<record::TickSink*> sinks = {});
   ~Client();
@@ -96,9 +99,13 @@ class Client {
   /// Why the recording is incomplete, once and as soon as it is known; else empty. For housekeeping.
   [[nodiscard]] std::string take_recording_fault();
 
-  /// What the handshakes came to, in one line, and why one does not succeed; each once, else empty. For housekeeping.
-  [[nodiscard]] std::string take_security_news();
-  [[nodiscard]] std::string take_security_problem();
+  /// Where a server by name was found and what handshakes came to, in one line, and why it is not found or lets nobody
+  /// in; each once, else empty. For housekeeping.
+  [[nodiscard]] std::string take_server_news();
+  [[nodiscard]] std::string take_server_problem();
+
+  /// The server as the user wrote it, and of a name the addresses that it leads to now.
+  [[nodiscard]] std::string server_in_words() const;
 
   /// Adds a line to what the summary and the recording say of the run, with its time since the start; after the first
   /// 100 they are passed over. For housekeeping.

@@ -17,6 +17,7 @@ namespace forcebound::client {
 class Encryption {
  public:
   /// @param server_name HOST:PORT as the user wrote it
+  /// @param server its address, as `link` has it
   /// Link and clock must outlive it. @throws what `read_identity` does
   Encryption(const IdentityFiles& files, const std::string& server_name, net::DatagramLink& link,
              const net::Address& server, const time::Clock& clock);

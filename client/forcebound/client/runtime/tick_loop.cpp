@@ -26,6 +26,7 @@ void TickLoop::run() {
   for (Nanoseconds now = timer.wait(); !stop_ && !ended_ && !over(now - start); now = timer.wait()) {
     ++rounds_;
     session_.tick(now);
+    if (settings_.way != nullptr && session_.state() == SessionState::active) settings_.way->keep();
     if (settings_.watchdog != nullptr) settings_.watchdog->note_tick(clock_.now());
     if (++ticks == kSettlingTicks) allocations_at_start = time::heap_operations_of_this_thread();
   }

@@ -7,6 +7,7 @@
 
 #include "forcebound/client/runtime/watchdog.hpp"
 #include "forcebound/client/session/session.hpp"
+#include "forcebound/net/peer_link.hpp"
 #include "forcebound/time/clock.hpp"
 
 namespace forcebound::client {
@@ -40,6 +41,7 @@ class TickLoop {
     double duration_s = 0;         ///< 0: until stopped
     bool once = false;             ///< give up if the server refuses, or does not answer for 5 s
     Watchdog* watchdog = nullptr;  ///< is told of each tick; may be null
+    net::PeerLink* way = nullptr;  ///< is told as long as there is a session; may be null
   };
 
   /// The results of a run.

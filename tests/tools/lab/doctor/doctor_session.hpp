@@ -47,7 +47,7 @@ struct AnsweredMotion {
 class DoctorSession {
  public:
   struct Settings {
-    net::Address server;
+    net::Address server{};
     std::string scene{};  ///< requested; empty: the server's default
     int degrees_of_freedom = 3;
     bool renders_locally = true;

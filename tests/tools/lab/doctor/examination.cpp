@@ -5,20 +5,16 @@
 #include <atomic>
 #include <memory>
 #include <random>
-#include <span>
 #include <stdexcept>
 #include <thread>
-#include <utility>
 
-#include "forcebound/client/runtime/encryption.hpp"
 #include "forcebound/client/runtime/priority.hpp"
-#include "forcebound/net/endpoint.hpp"
-#include "forcebound/net/udp_link.hpp"
 #include "forcebound/record/idle_thread.hpp"
 #include "forcebound/record/wake_ups.hpp"
 #include "forcebound/time/periodic_timer.hpp"
 #include "forcebound/time/steady_clock.hpp"
 #include "forcebound/wire/codec.hpp"
+#include "tests/tools/lab/doctor/introduction.hpp"
 #include "tests/tools/lab/doctor/path_size.hpp"
 
 namespace forcebound::lab {
@@ -27,11 +23,8 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr Nanoseconds kExaminedPeriod = 1ms;
-constexpr Nanoseconds kHandshakePatience = 5s;
 constexpr Nanoseconds kEndPatience = 3s;
 constexpr Nanoseconds kDisplayPause = 50ms;
-// Number of port unreachable (ICMP) reports after which nobody is expected there.
-constexpr std::uint64_t kUnreachableBorne = 3;
 // The most usual first.
 constexpr std::array kDegreesOfFreedom{3, 1, 2, 6, 4, 5};
 
@@ -44,85 +37,30 @@ constexpr Nanoseconds kSizePatience_max = 1s;
 constexpr std::size_t kSizeLeast_bytes = 256;
 constexpr std::size_t kSizeResolution_bytes = 8;
 
-/// Sleeps for the link's datagrams.
-void wait_for_datagrams(const net::UdpLink& link, Nanoseconds duration) {
-  const int descriptor = link.descriptor();
-  net::wait_readable(std::span(&descriptor, 1), duration);
-}
-
 std::uint64_t random_seed() {
   std::random_device device;
   return std::uint64_t{device()} << 32U | device();
 }
 
-/// A link to the server, and a session on it.
-struct DoctorLine {
-  DoctorLine(const net::Address& server, const ExaminationSettings& examination,
-             const DoctorSession::Settings& settings, const time::Clock& clock)
-      : link(net::UdpLink::towards(server)),
-        encryption(examination.identity.any() ? std::make_unique<client::Encryption>(
-                                                    examination.identity, examination.server, link, server, clock)
-                                              : nullptr),
-        session(settings, encryption ? static_cast<net::DatagramLink&>(encryption->link()) : link, clock) {}
-
-  net::UdpLink link;
-  std::unique_ptr<client::Encryption> encryption;
-  DoctorSession session;
-};
-
-enum class Introduced { yes, refused, unreachable, unanswered };
-
-Introduced introduce(DoctorLine& line, const time::Clock& clock) {
-  for (const Nanoseconds end = clock.now() + kHandshakePatience; clock.now() < end;) {
-    line.session.keep_connected();
-    if (line.session.connected()) return Introduced::yes;
-    if (!line.session.handshake().refusal.empty()) return Introduced::refused;
-    if (line.link.counters().refused >= kUnreachableBorne) return Introduced::unreachable;
-    wait_for_datagrams(line.link, kExaminedPeriod);
-  }
-  return Introduced::unanswered;
-}
-
-/// @throws std::runtime_error if there is no session
-void expect_introduced(Introduced introduced, const DoctorLine& line, const std::string& server) {
-  switch (introduced) {
-    case Introduced::yes:
-      return;
-    case Introduced::refused:
-      throw std::runtime_error(server + " refused: " + line.session.handshake().refusal);
-    case Introduced::unreachable:
-      throw std::runtime_error("no answer from " + server + ": port unreachable (ICMP); is forcebound-server running?");
-    case Introduced::unanswered:
-      break;
-  }
-  const std::string problem = line.encryption ? line.encryption->handshaker().problem() : std::string();
-  if (!problem.empty()) throw std::runtime_error(problem);
-  throw std::runtime_error("no answer from " + server + " within 5 s; is forcebound-server listening there, and does " +
-                           "the network let UDP packets of " + std::to_string(wire::kFrameBytesMax + 28) +
-                           " bytes through both ways?");
-}
-
 /// With the first degrees of freedom that the scene accepts.
-std::unique_ptr<DoctorLine> introduced_line(const net::Address& address, const ExaminationSettings& settings,
-                                            DoctorFindings& findings, const time::Clock& clock) {
+/// @throws std::runtime_error if there is no session
+std::unique_ptr<DoctorLine> introduced_line(const ExaminationSettings& settings, DoctorFindings& findings,
+                                            const time::Clock& clock) {
   // Answers are fewer than ticks, and copies are not kept.
   const auto ticks = static_cast<std::size_t>(time::from_seconds(settings.seconds) / kExaminedPeriod);
   std::unique_ptr<DoctorLine> line;
-  Introduced introduced = Introduced::unanswered;
   for (const int degrees_of_freedom : kDegreesOfFreedom) {
-    line = std::make_unique<DoctorLine>(address, settings,
-                                        DoctorSession::Settings{.server = address,
-                                                                .scene = settings.scene,
-                                                                .degrees_of_freedom = degrees_of_freedom,
-                                                                .seed = random_seed(),
-                                                                .answers = ticks + 1},
-                                        clock);
-    introduced = introduce(*line, clock);
+    line = first_to_answer(settings.server,
+                           {.scene = settings.scene,
+                            .degrees_of_freedom = degrees_of_freedom,
+                            .seed = random_seed(),
+                            .answers = ticks + 1},
+                           clock);
     findings.degrees_of_freedom = degrees_of_freedom;
     if (line->session.handshake().refused_for != wire::RefusalReason::wrong_degrees_of_freedom) break;
   }
-  expect_introduced(introduced, *line, settings.server);
-  return line;
+  if (line->session.connected()) return line;
+  throw std::runtime_error(in_words(settings.server, line->address) + " refused: " + line->session.handshake().refusal);
 }
 
 /// Sends motions as a client's tick does.
@@ -206,16 +144,17 @@ bool size_passes(std::size_t bytes, Nanoseconds patience, DoctorLine& line, cons
 
 PathFindings path_findings(const net::Address& address, const ExaminationSettings& settings,
                            const DoctorFindings& so_far, const time::Clock& clock) {
-  DoctorLine line(address, settings,
+  DoctorLine line(settings.server,
                   {.server = address,
                    .scene = settings.scene,
                    .degrees_of_freedom = so_far.degrees_of_freedom,
                    .renders_locally = false,
                    .seed = random_seed()},
                   clock);
-  PathFindings path{.up_most_bytes = wire::kFrameBytesMax,
-                    .header_bytes = header_bytes(address) + (settings.identity.any() ? security::kRecordOverhead : 0)};
-  path.up_tried = introduce(line, clock) == Introduced::yes;
+  PathFindings path{
+      .up_most_bytes = wire::kFrameBytesMax,
+      .header_bytes = header_bytes(address) + (settings.server.identity.any() ? security::kRecordOverhead : 0)};
+  path.up_tried = introduce(line, clock);
   if (path.up_tried) {
     const Nanoseconds patience =
         std::clamp(time::from_seconds(2e-3 * so_far.network.round_trip.max_ms), kSizePatience_min, kSizePatience_max);
@@ -235,17 +174,19 @@ PathFindings path_findings(const net::Address& address, const ExaminationSetting
 DoctorFindings examine(const ExaminationSettings& settings,
                        const std::function<void(double, const std::string&)>& progress) {
   const time::SteadyClock clock;
-  DoctorFindings findings{.server = settings.server, .seconds = settings.seconds};
+  DoctorFindings findings{.seconds = settings.seconds};
   findings.machine = machine_findings();
-  const net::Address address = net::resolve(net::parse_peer(settings.server));
+  net::Address address;
   std::size_t down_bytes = 0;
   {
-    const std::unique_ptr<DoctorLine> line = introduced_line(address, settings, findings, clock);
+    const std::unique_ptr<DoctorLine> line = introduced_line(settings, findings, clock);
+    address = line->address;
+    findings.server = in_words(settings.server, address);
     measure(settings, *line, findings, clock, progress);
     down_bytes = line->session.largest_bytes();
   }
   if (findings.network.round_trip.count == 0) {
-    throw std::runtime_error(settings.server + " opened a session, but no force arrived in " +
+    throw std::runtime_error(findings.server + " opened a session, but no force arrived in " +
                              std::to_string(findings.network.up.sent) + " ticks");
   }
   progress(1, "trying sizes of datagrams");

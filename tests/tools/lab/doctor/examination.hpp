@@ -3,16 +3,15 @@
 #include <functional>
 #include <string>
 
-#include "forcebound/client/security/identity_files.hpp"
 #include "tests/tools/lab/doctor/findings.hpp"
+#include "tests/tools/lab/doctor/introduction.hpp"
 
 namespace forcebound::lab {
 
 struct ExaminationSettings {
-  std::string server;                ///< HOST:PORT
-  client::IdentityFiles identity{};  ///< keys; none: not encrypted
-  std::string scene{};               ///< requested; empty: the server's default
-  double seconds = 5;                ///< of the measurement
+  ExaminedServer server{};
+  std::string scene{};  ///< requested; empty: the server's default
+  double seconds = 5;   ///< of the measurement
 };
 
 /// Examines the way to a server and this machine, over real sockets and in real time: asks for a session as a client
@@ -22,8 +21,8 @@ struct ExaminationSettings {
 /// Asks for the degrees of freedom of the scene in turn, until the server accepts.
 ///
 /// @param progress is told the share done and what is being done
-/// @throws std::runtime_error if the server's address cannot be found, or if it does not answer, refuses, or opens a
-/// session and sends no force
+/// @throws std::runtime_error if the server's address cannot be found within 5 s, or if it does not answer, refuses, or
+/// opens a session and sends no force
 [[nodiscard]] DoctorFindings examine(const ExaminationSettings& settings,
                                      const std::function<void(double, const std::string&)>& progress);
 

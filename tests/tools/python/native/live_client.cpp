@@ -53,7 +53,7 @@ void LiveClient::look() {
   client::Event event;
   while (client_.events().take(event)) {
   }
-  for (std::string& problem : std::vector{client_.take_security_problem(), client_.take_recording_fault()}) {
+  for (std::string& problem : std::vector{client_.take_server_problem(), client_.take_recording_fault()}) {
     if (problem.empty()) continue;
     const std::scoped_lock lock(mutex_);
     problems_.push_back(std::move(problem));

@@ -2,11 +2,17 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <atomic>
+#include <chrono>
+#include <memory>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "forcebound/client/runtime/event_queue.hpp"
 #include "forcebound/control/law_registry.hpp"
+#include "forcebound/net/udp_link.hpp"
 #include "tests/support/fake_device.hpp"
 
 namespace forcebound::client {
@@ -81,6 +87,61 @@ TEST(EventQueue, CountsWhatItHasNoRoomFor) {
   EXPECT_GT(queue.dropped(), 0U);
   ASSERT_TRUE(queue.take(event));
   EXPECT_EQ(event.words(), "first");
+}
+
+/// A client by a name, which leads nowhere at first and then to an address.
+struct ByName {
+  explicit ByName(const net::Address& address, int failures)
+      : settings{.server = "haptics.example:47800",
+                 .resolver = [address, left = std::make_shared<std::atomic<int>>(failures)](const net::Endpoint&) {
+                   if ((*left)-- > 0) throw std::runtime_error("nobody knows it");
+                   return std::vector{address};
+                 }} {}
+
+  Client::Settings settings;
+};
+
+TEST(Client, GoesOnWithoutAnAddressAndUsesTheOneThatItsServersNameIsGivenLater) {
+  net::UdpLink server = net::UdpLink::listen(net::resolve({"127.0.0.1", 0}));
+  test::FakeDevice device(1);
+  Client client = client_of(ByName(server.local_address(), 2).settings, device);
+  EXPECT_EQ(client.take_server_problem(), "nobody knows it");
+  EXPECT_EQ(client.server_in_words(), "haptics.example:47800 (nobody knows it)");
+  std::atomic<bool> stop{false};
+  std::array<std::byte, net::kDatagramBytesMax> buffer{};
+  client.run(stop, [&](time::Nanoseconds, time::Nanoseconds elapsed) {
+    if (server.receive(buffer) || elapsed > std::chrono::seconds{60}) stop = true;
+  });
+  EXPECT_EQ(client.server_in_words(), "haptics.example:47800 (at " + net::to_string(server.local_address()) + ")");
+}
+
+TEST(Client, SaysTheAddressesOfAServerThatDoesNotAnswer) {
+  const net::UdpLink server = net::UdpLink::listen(net::resolve({"127.0.0.1", 0}));
+  test::FakeDevice device(1);
+  Client::Settings settings = ByName(server.local_address(), 0).settings;
+  settings.once = true;
+  settings.duration_s = 0.05;
+  Client client = client_of(settings, device);
+  const std::atomic<bool> stop{false};
+  client.run(stop);
+  EXPECT_EQ(client.why_no_session(),
+            "no answer from haptics.example:47800 (at " + net::to_string(server.local_address()) + ")");
+}
+
+TEST(Client, SendsNothingInTheClearToAnotherMachineThatItsServersNameLeadsTo) {
+  const net::Address elsewhere = net::resolve({"192.0.2.1", 47800});
+  test::FakeDevice device(1);
+  EXPECT_THROW(client_of(ByName(elsewhere, 0).settings, device), std::invalid_argument);
+  Client later = client_of(ByName(elsewhere, 1).settings, device);
+  (void)later.take_server_problem();
+  std::atomic<bool> stop{false};
+  std::string problem;
+  later.run(stop, [&](time::Nanoseconds, time::Nanoseconds elapsed) {
+    problem = later.take_server_problem();
+    if (!problem.empty() || elapsed > std::chrono::seconds{60}) stop = true;
+  });
+  EXPECT_NE(problem.find("is on another machine, and no keys are given"), std::string::npos) << problem;
+  EXPECT_EQ(later.server_in_words().find("192.0.2.1"), std::string::npos);
 }
 
 }  // namespace

@@ -1,0 +1,277 @@
+#include "forcebound/net/peer_link.hpp"
+
+#include <gmock/gmock.h>
+
+#include <array>
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <semaphore>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "tests/support/allocation_guard.hpp"
+#include "tests/support/fake_clock.hpp"
+
+namespace forcebound::net {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+const Endpoint kName{"haptics.example", 47800};
+
+/// A name server whose answers the test sets. A lookup's thread may ask it after the lookup's end.
+class Names {
+ public:
+  void lead_to(std::vector<Address> addresses) {
+    const std::scoped_lock lock(shared_->mutex);
+    shared_->addresses = std::move(addresses);
+  }
+  [[nodiscard]] int asked() const {
+    const std::scoped_lock lock(shared_->mutex);
+    return shared_->asked;
+  }
+  [[nodiscard]] Resolver resolver() const {
+    return [shared = shared_](const Endpoint& endpoint) {
+      const std::scoped_lock lock(shared->mutex);
+      ++shared->asked;
+      if (shared->addresses.empty()) throw std::runtime_error("nobody knows '" + endpoint.host + "'");
+      return shared->addresses;
+    };
+  }
+
+ private:
+  struct Shared {
+    std::mutex mutex;
+    std::vector<Address> addresses;
+    int asked = 0;
+  };
+  std::shared_ptr<Shared> shared_ = std::make_shared<Shared>();
+};
+
+bool machine_has_ipv6() {
+  try {
+    UdpLink::listen(resolve({"::1", 0}));
+    return true;
+  } catch (const std::runtime_error&) {
+    return false;
+  }
+}
+
+/// A server on loopback.
+struct AtAddress {
+  explicit AtAddress(const char* host, std::uint16_t port = 0) : link(UdpLink::listen(resolve({host, port}))) {}
+
+  [[nodiscard]] Address address() const { return link.local_address(); }
+
+  /// Takes all that has come, and answers the last of it.
+  bool answer() {
+    std::array<std::byte, 16> buffer{};
+    std::optional<Received> last;
+    while (const auto received = link.receive(buffer)) last = received;
+    return last && link.send(std::as_bytes(std::span("a", 1)), last->from);
+  }
+
+  UdpLink link;
+};
+
+class PeerLinkTest : public testing::Test {
+ protected:
+  void start(PeerLink::Found found = PeerLink::Found::by_session) {
+    lookup_.emplace(kName, names_.resolver());
+    link_.emplace(*lookup_, clock_, found);
+  }
+
+  /// Sends every 50 ms, with time for what is under way in the system and in the lookup's thread.
+  /// @return whether an answer came within the duration
+  bool heard_within(time::Nanoseconds duration, const std::function<void()>& servers) {
+    std::array<std::byte, 16> buffer{};
+    for (const auto end = clock_.time + duration; clock_.time < end;) {
+      clock_.time += 50ms;
+      (void)link_->send(std::as_bytes(std::span("q", 1)), PeerLink::kPeer);
+      std::this_thread::sleep_for(1ms);
+      servers();
+      std::this_thread::sleep_for(1ms);
+      if (const auto received = link_->receive(buffer)) {
+        EXPECT_EQ(received->from, PeerLink::kPeer);
+        return true;
+      }
+    }
+    return false;
+  }
+
+  Names names_;
+  test::FakeClock clock_;
+  std::optional<NameLookup> lookup_;
+  std::optional<PeerLink> link_;
+};
+
+TEST_F(PeerLinkTest, FindsTheOneOfBothKindsOfAddressThatAnswers) {
+  if (!machine_has_ipv6()) GTEST_SKIP() << "this machine has no IPv6";
+  for (const bool on_ipv6 : {true, false}) {
+    AtAddress v4("127.0.0.1");
+    AtAddress v6("::1");
+    names_.lead_to(in_order_of_trial({v4.address(), v6.address()}));
+    start();
+    AtAddress& server = on_ipv6 ? v6 : v4;
+    EXPECT_TRUE(heard_within(3s, [&] { server.answer(); })) << "IPv6: " << on_ipv6;
+    link_->keep();
+    EXPECT_EQ(link_->take_news(), "haptics.example:47800 is at " + to_string(server.address()));
+    EXPECT_EQ(link_->take_news(), "");
+  }
+}
+
+TEST_F(PeerLinkTest, GoesOnAtOnceWhereNobodyIs) {
+  AtAddress server("127.0.0.1");
+  const Address nobody{.ip = resolve({"::1", 0}).ip, .port = server.address().port};
+  names_.lead_to({nobody, server.address()});
+  start();
+  EXPECT_TRUE(heard_within(250ms, [&] { server.answer(); })) << "less than a turn";
+}
+
+TEST_F(PeerLinkTest, FindsAServerThatHasMoved) {
+  AtAddress before("127.0.0.1");
+  AtAddress after("127.0.0.2");
+  names_.lead_to({before.address()});
+  start();
+  ASSERT_TRUE(heard_within(1s, [&] { before.answer(); }));
+  link_->keep();
+  names_.lead_to({after.address()});
+  const int asked = names_.asked();
+  EXPECT_FALSE(heard_within(900ms, [&] { after.answer(); }));
+  EXPECT_EQ(names_.asked(), asked) << "a short silence is no reason to ask";
+  EXPECT_TRUE(heard_within(60s, [&] { after.answer(); }));
+  EXPECT_GT(names_.asked(), asked);
+}
+
+TEST_F(PeerLinkTest, FindsAServerWhoseNameHasNoAddressYet) {
+  start();
+  EXPECT_FALSE(link_->ready());
+  EXPECT_EQ(lookup_->in_words(), "haptics.example:47800 (nobody knows 'haptics.example')");
+  EXPECT_FALSE(heard_within(500ms, [] {}));
+  AtAddress server("127.0.0.1");
+  names_.lead_to({server.address()});
+  EXPECT_TRUE(heard_within(60s, [&] { server.answer(); }));
+  EXPECT_TRUE(link_->ready());
+  EXPECT_EQ(lookup_->in_words(), "haptics.example:47800 (at " + to_string(server.address()) + ")");
+}
+
+TEST_F(PeerLinkTest, LeavesAnAddressThatAnswersWithoutASession) {
+  AtAddress another("127.0.0.1");
+  AtAddress server("127.0.0.2");
+  names_.lead_to({another.address(), server.address()});
+  start();
+  const auto end = clock_.time + 20s;
+  bool found = false;
+  while (!found && clock_.time < end) {
+    (void)heard_within(50ms, [&] {
+      another.answer();
+      found = server.answer();
+    });
+  }
+  EXPECT_TRUE(found);
+}
+
+TEST_F(PeerLinkTest, StaysWithAnyAnswerIfThatCounts) {
+  AtAddress first("127.0.0.1");
+  AtAddress second("127.0.0.2");
+  names_.lead_to({first.address(), second.address()});
+  start(PeerLink::Found::by_answer);
+  bool left = false;
+  for (const auto end = clock_.time + 20s; clock_.time < end;) {
+    EXPECT_TRUE(heard_within(1s, [&] {
+      first.answer();
+      left = left || second.answer();
+    }));
+  }
+  EXPECT_FALSE(left);
+}
+
+TEST_F(PeerLinkTest, TakesNothingThatAnAddressOfBeforeHasSent) {
+  AtAddress before("127.0.0.1");
+  AtAddress after("127.0.0.2");
+  names_.lead_to({before.address(), after.address()});
+  start();
+  (void)link_->send(std::as_bytes(std::span("q", 1)), PeerLink::kPeer);
+  std::this_thread::sleep_for(5ms);
+  ASSERT_TRUE(before.answer());
+  std::this_thread::sleep_for(5ms);
+  clock_.time += 300ms;
+  (void)link_->send(std::as_bytes(std::span("q", 1)), PeerLink::kPeer);
+  std::array<std::byte, 16> buffer{};
+  EXPECT_FALSE(link_->receive(buffer));
+}
+
+TEST_F(PeerLinkTest, DoesNotAllocateOrWaitWhileItSearches) {
+  FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
+  AtAddress first("127.0.0.1");
+  AtAddress second("127.0.0.2");
+  names_.lead_to({first.address(), second.address()});
+  start();
+  std::array<std::byte, 16> buffer{};
+  const test::AllocationGuard guard;
+  for (int i = 0; i < 1000; ++i) {
+    clock_.time += 10ms;
+    (void)link_->send(std::as_bytes(std::span("q", 1)), PeerLink::kPeer);
+    (void)link_->receive(buffer);
+  }
+  link_->keep();
+  EXPECT_EQ(guard.heap_operations(), 0U);
+}
+
+TEST(NameLookup, DoesNotWaitAtItsEndForALookupUnderWay) {
+  struct NameServer {
+    std::binary_semaphore asked{0};
+    std::binary_semaphore answers{0};
+    bool at_first = true;
+  };
+  const auto server = std::make_shared<NameServer>();
+  {
+    NameLookup lookup(kName, [server](const Endpoint&) -> std::vector<Address> {
+      if (!std::exchange(server->at_first, false)) {
+        server->asked.release();
+        server->answers.acquire();
+      }
+      return {{.ip = {1}, .port = 1}};
+    });
+    lookup.ask();
+    server->asked.acquire();
+  }
+  server->answers.release();
+}
+
+TEST(NameLookup, AsksNobodyForAnAddressInDigits) {
+  int asked = 0;
+  NameLookup lookup({"127.0.0.1", 1}, [&asked](const Endpoint& endpoint) {
+    ++asked;
+    return look_up(endpoint);
+  });
+  lookup.ask();
+  std::this_thread::sleep_for(5ms);
+  EXPECT_EQ(asked, 1);
+  EXPECT_EQ(lookup.in_words(), "127.0.0.1:1");
+}
+
+TEST(NameLookup, PassesOnThatAPeerIsNotAccepted) {
+  const auto refuse = [](const Endpoint&) -> std::vector<Address> { throw std::invalid_argument("not there"); };
+  EXPECT_THAT([&] { const NameLookup lookup(kName, refuse); },
+              ThrowsMessage<std::invalid_argument>(HasSubstr("not there")));
+}
+
+TEST(PeerLink, NamesTheAddressInDigitsToWhichThereIsNoWay) {
+  const test::FakeClock clock;
+  NameLookup lookup({"192.0.2.1", 1},
+                    [](const Endpoint&) -> std::vector<Address> { throw std::runtime_error("no way"); });
+  EXPECT_THAT([&] { const PeerLink link(lookup, clock, PeerLink::Found::by_answer); },
+              ThrowsMessage<std::runtime_error>(HasSubstr("no way")));
+}
+
+}  // namespace
+}  // namespace forcebound::net
