@@ -100,7 +100,8 @@ TEST_F(NamesOfServers, OfAServerThatMovesLeadClientAndRelayToIt) {
   const std::string port = port_of(server->address());
   lead_to({"127.0.0.1"});
   Program relay(*this, {kRelay, "--listen", "127.0.0.1:0", "--upstream", "haptics.test:" + port});
-  ASSERT_TRUE(relay.wait_for("upstream haptics.test:" + port + " (at 127.0.0.1:" + port + ")")) << relay.err();
+  ASSERT_TRUE(relay.wait_for("down:")) << relay.err();
+  EXPECT_THAT(unwrapped(relay.out()), HasSubstr("upstream haptics.test:" + port + " (at 127.0.0.1:" + port + ")"));
   const std::string said = relay.out();
   const std::size_t at = said.find("listening on ") + 13;
   Client through_relay(said.substr(at, said.find(',', at) - at), kHand);
@@ -127,7 +128,7 @@ TEST_F(NamesOfServers, LeadTheDoctorToTheAddressThatHasAServer) {
   const Words doctor{kLab, "doctor", "--server", "haptics.test:" + port, "--seconds", "0.3"};
   const Ran found = run("/usr/bin/unshare", in_namespace(doctor));
   EXPECT_EQ(found.exit_code, 0) << found.err;
-  EXPECT_THAT(found.out, HasSubstr("Server haptics.test:" + port + " (at [::1]:" + port + ")"));
+  EXPECT_THAT(unwrapped(found.out), HasSubstr("Server haptics.test:" + port + " (at [::1]:" + port + ")"));
   lead_to({});
   const Ran lost = run("/usr/bin/unshare", in_namespace(doctor));
   EXPECT_EQ(lost.exit_code, 1);

@@ -30,7 +30,7 @@ struct OffsetFindings {
 /// All that an examination found.
 struct DoctorFindings {
   std::string server{};  ///< HOST:PORT as given, and of a name the address
-  double seconds = 0;  ///< of the measurement
+  double seconds = 0;    ///< of the measurement
   int degrees_of_freedom = 0;
   Handshake handshake{};
   std::uint64_t pieces_received = 0;  ///< of the scene, copies included
