@@ -97,7 +97,8 @@ class LiveRun {
 
   /// Of several runs the worst counts.
   void note_end(int exit_code) {
-    constexpr std::array kFromWorst{program::kNotPassive, program::kFailed, program::kOutputLost, program::kDone};
+    constexpr std::array kFromWorst{program::kNotPassive, program::kFailed, program::kOutputLost,
+                                    program::kNeverConnected, program::kDone};
     const auto rank = [&](int code) { return std::ranges::find(kFromWorst, code); };
     if (rank(exit_code) < rank(exit_code_)) exit_code_ = exit_code;
   }
