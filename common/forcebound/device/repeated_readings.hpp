@@ -20,8 +20,9 @@ using control::Vector;
 ///     v = (|D| - step) / h
 ///
 /// on the average of that time. Over the last ten readings before it stood, that says whether the joint was on its way;
-/// over the last two, whether it can have come to rest within one step since: with a deceleration of at most a that
-/// takes v <= a h/2 + sqrt(2 a step), and a joint that was faster did not stop: its reading did.
+/// over the last two, whether it can have stayed within one step since: with a deceleration of at most a it had
+/// w = v - a h/2 at the last change, and has gone w t - a t^2/2 in t <= w/a. If that is more than a step, the joint did
+/// not stop: its reading did.
 ///
 /// Real time: noexcept, no allocation, O(joints). Deterministic.
 class RepeatedReadings {
@@ -32,8 +33,8 @@ class RepeatedReadings {
   /// @param joint a usable reading @param elapsed_s since the one before, > 0
   void note(const Vector& joint, double elapsed_s) noexcept {
     const bool begins = past_.front().joint.rows() != joint.rows();
-    if (begins) past_.fill({.joint = joint});
-    time_s_ += elapsed_s;
+    if (begins) past_.fill({.time_s = time_s_, .joint = joint});
+    if (!begins) time_s_ += elapsed_s;
     const Reading& last = past_.at(newest_);
     const Reading& first = past_.at((newest_ + 1) % kPast);
     for (Eigen::Index i = 0; i < joint.rows(); ++i) {
@@ -61,11 +62,12 @@ class RepeatedReadings {
   /// Over the readings before its last change, least that explains them [rad/s] or [m/s]; 0: it may have stood.
   [[nodiscard]] double velocity(Eigen::Index joint) const noexcept { return of(joint).velocity; }
 
-  /// Whether the joint cannot have come to rest since its last change. @param deceleration_most [rad/s^2] or [m/s^2]
+  /// Whether the joint cannot have stayed where its reading has. @param deceleration_most [rad/s^2] or [m/s^2]
   [[nodiscard]] bool cannot_have_stopped(Eigen::Index joint, double deceleration_most) const noexcept {
     const Joint& seen = of(joint);
-    const double a = deceleration_most;
-    return seen.still_s > 0 && std::abs(seen.newest) > a * seen.elapsed_s / 2 + std::sqrt(2 * a * step(joint));
+    const double left = std::abs(seen.newest) - deceleration_most * seen.elapsed_s / 2;
+    const double time_s = std::min(seen.still_s, left / deceleration_most);
+    return time_s > 0 && (left - deceleration_most * time_s / 2) * time_s > step(joint);
   }
 
  private:

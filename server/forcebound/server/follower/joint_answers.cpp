@@ -76,7 +76,7 @@ void JointAnswers::note(Eigen::Index i, const Vector& place, double net, double 
     return;
   }
   // The tick on which it stops.
-  if (speed > 0 && still_s == elapsed_s) joint.passed = repeats_.cannot_have_stopped(i, deceleration_most(i, place));
+  if (speed > 0 && still_s == elapsed_s) joint.deceleration = deceleration_most(i, place);
   const double change = std::abs(net - joint.net);
   const double way = elapsed_s * std::max(0.0, change - friction_[i]) / damping_[i];
   joint.way += elapsed_s * speed;
@@ -86,7 +86,8 @@ void JointAnswers::note(Eigen::Index i, const Vector& place, double net, double 
   joint.far_s += moving > far_[i] ? elapsed_s : 0;
   const bool used_up = far_share(joint.far_way, joint.far_s) == 0 && joint.far_s > 0;
   const bool unanswered = used_up || joint.far_s > kPatience_s;
-  const bool passed = joint.passed && speed * still_s > kFirst;
+  const bool passed =
+      joint.deceleration > 0 && speed * still_s > kFirst && repeats_.cannot_have_stopped(i, joint.deceleration);
   frozen_ = frozen_ || (still_s >= kSoonest_s && (unanswered || passed));
 }
 

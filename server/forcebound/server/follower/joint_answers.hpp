@@ -56,13 +56,13 @@ class JointAnswers {
 
  private:
   struct Joint {
-    double net = 0;       ///< torque under which it stood when its reading last changed, less what it touched
-    double torque = 0;    ///< of it what was given
-    double way = 0;       ///< that it may have gone since, by changes of no more than T
-    double far_way = 0;   ///< likewise by greater ones,
-    double far_s = 0;     ///< of which the greater ones were given for so long
-    bool far = false;     ///< the latest that was asked for is one
-    bool passed = false;  ///< it cannot have stopped
+    double net = 0;           ///< torque under which it stood when its reading last changed, less what it touched
+    double torque = 0;        ///< of it what was given
+    double way = 0;           ///< that it may have gone since, by changes of no more than T
+    double far_way = 0;       ///< likewise by greater ones,
+    double far_s = 0;         ///< of which the greater ones were given for so long
+    bool far = false;         ///< the latest that was asked for is one
+    double deceleration = 0;  ///< with which it may have stopped; 0: it stood
   };
   void note(Eigen::Index joint, const Vector& place, double net, double torque, double elapsed_s) noexcept;
   [[nodiscard]] double deceleration_most(Eigen::Index joint, const Vector& place) const noexcept;
