@@ -179,9 +179,9 @@ const std::vector<Privilege>& privileges() {
        "client's scene_builder.hpp and handshaker.hpp, whose counts "
        "and texts another thread reads, the client's live_page.hpp, which two threads use, "
        "the server's shared_limits.hpp, moved_keys.hpp and scene_library.cpp, which all workers share, "
-        "common/forcebound/net/name_lookup.cpp, which waits for name servers, and peer_link.hpp, whose news another "
-        "thread takes, common/forcebound/page/page_server.cpp, common/forcebound/text/classic_locale.cpp, since the "
-        "locale is of all threads, common/forcebound/child and the shells"},
+       "common/forcebound/net/name_lookup.cpp, which waits for name servers, and peer_link.hpp, whose news another "
+       "thread takes, common/forcebound/page/page_server.cpp, common/forcebound/text/classic_locale.cpp, since the "
+       "locale is of all threads, common/forcebound/child and the shells"},
       {"sockets", std::regex(R"(#include\s*<(sys/socket|sys/epoll|poll|netdb|netinet/.*)(\.h)?>)"),
        shells_and("common/forcebound/net/(internal/)?udp.*|" + kChild),
        "common/forcebound/net/udp*, common/forcebound/child and the shells"},

@@ -114,8 +114,6 @@ TEST_F(FaultyDriver, TheClientEndsIfStopDoesNotReturnEither) {
               AllOf(HasSubstr("has not returned from a call"), HasSubstr("its stop does not return either")));
 }
 
-constexpr int kDriverCrashed = 6;
-
 struct Crash {
   const char* fault;
   const char* words;

@@ -19,6 +19,9 @@ extern const char* const kClient;
 extern const char* const kRelay;
 extern const char* const kLab;
 
+/// The exit code of a program whose driver of a device or robot crashed.
+inline constexpr int kDriverCrashed = 6;
+
 /// A program that listens on a port of the system's choice, or on `at`; returns once it does.
 class Listener : public Process {
  public:

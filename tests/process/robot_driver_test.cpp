@@ -21,8 +21,6 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-constexpr int kDriverCrashed = 6;
-
 /// A machine that gives the loop no time meanwhile does not stop the robot.
 constexpr const char* kPatient = "hold=0.4";
 

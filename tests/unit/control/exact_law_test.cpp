@@ -461,7 +461,7 @@ TEST(ExactLaw, RefusesADeviceItCannotKeepPassive) {
   EXPECT_THAT(refusal([](DeviceFacts& f) {
                 f.uncertainty.stamp_s = {1e-3, -1e-3};
               }),
-              HasSubstr("uncertainty of stamps must be two times [s], least first, got 0.001000 to -0.001000"));
+              HasSubstr("uncertainty of stamps must be two times [s], least first, got 0.001 to -0.001"));
   EXPECT_THAT(refusal([](DeviceFacts& f) { f.uncertainty.damping_share = 1; }),
               HasSubstr("uncertainty of the damping must be a share of 0 to less than 1, got 1"));
   EXPECT_THAT(refusal([](DeviceFacts& f) { f.uncertainty.torque_share = -0.1; }),

@@ -9,21 +9,22 @@ namespace forcebound::device {
 namespace {
 
 constexpr double kTick_s = 1e-3;
-constexpr double kStep = 1e-4;
+constexpr double kEncoderStep = 1e-4;
 
 /// One joint with an encoder.
 struct Watched {
   void read(double place, int times = 1) {
-    for (int i = 0; i < times; ++i) seen.note(Vector::Constant(1, kStep * std::round(place / kStep)), kTick_s);
+    for (int i = 0; i < times; ++i)
+      seen.note(Vector::Constant(1, kEncoderStep * std::round(place / kEncoderStep)), kTick_s);
   }
-  RepeatedReadings seen{Vector::Constant(1, kStep)};
+  RepeatedReadings seen{Vector::Constant(1, kEncoderStep)};
 };
 
 TEST(RepeatedReadings, CountsTheTimeSinceTheLastChange) {
   Watched joint;
   joint.read(0, 11);
   EXPECT_NEAR(joint.seen.still_s(0), 10 * kTick_s, 1e-12);
-  joint.read(kStep);
+  joint.read(kEncoderStep);
   EXPECT_EQ(joint.seen.still_s(0), 0);
   EXPECT_EQ(joint.seen.velocity(0), 0) << "a step may take no speed at all";
 }
@@ -31,16 +32,16 @@ TEST(RepeatedReadings, CountsTheTimeSinceTheLastChange) {
 TEST(RepeatedReadings, ASpeedIsTheLeastThatExplainsTheLastChange) {
   Watched joint;
   joint.read(0);
-  joint.read(-10 * kStep);
-  EXPECT_NEAR(joint.seen.velocity(0), -9 * kStep / kTick_s, 1e-9);
+  joint.read(-10 * kEncoderStep);
+  EXPECT_NEAR(joint.seen.velocity(0), -9 * kEncoderStep / kTick_s, 1e-9);
 }
 
 TEST(RepeatedReadings, WhatStopsWithinAStepFromAGreatSpeedDidNotStop) {
   Watched joint;
   joint.read(0);
-  joint.read(10 * kStep);
+  joint.read(10 * kEncoderStep);
   EXPECT_FALSE(joint.seen.cannot_have_stopped(0, 10)) << "it has only moved";
-  joint.read(10 * kStep);
+  joint.read(10 * kEncoderStep);
   EXPECT_TRUE(joint.seen.cannot_have_stopped(0, 10));
   EXPECT_FALSE(joint.seen.cannot_have_stopped(0, 1e4)) << "a rail's end stops it";
 }

@@ -17,6 +17,7 @@
 
 #include "tests/support/allocation_guard.hpp"
 #include "tests/support/fake_clock.hpp"
+#include "tests/support/ipv6.hpp"
 
 namespace forcebound::net {
 namespace {
@@ -55,15 +56,6 @@ class Names {
   };
   std::shared_ptr<Shared> shared_ = std::make_shared<Shared>();
 };
-
-bool machine_has_ipv6() {
-  try {
-    UdpLink::listen(resolve({"::1", 0}));
-    return true;
-  } catch (const std::runtime_error&) {
-    return false;
-  }
-}
 
 /// A server on loopback.
 struct AtAddress {
@@ -114,7 +106,7 @@ class PeerLinkTest : public testing::Test {
 };
 
 TEST_F(PeerLinkTest, FindsTheOneOfBothKindsOfAddressThatAnswers) {
-  if (!machine_has_ipv6()) GTEST_SKIP() << "this machine has no IPv6";
+  if (!test::machine_has_ipv6()) GTEST_SKIP() << "this machine has no IPv6";
   for (const bool on_ipv6 : {true, false}) {
     AtAddress v4("127.0.0.1");
     AtAddress v6("::1");

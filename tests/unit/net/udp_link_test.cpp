@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "forcebound/net/endpoint.hpp"
+#include "tests/support/ipv6.hpp"
 
 namespace forcebound::net {
 namespace {
@@ -44,19 +45,10 @@ std::optional<Heard> hear(UdpLink& link, std::size_t room = kDatagramBytesMax) {
   return Heard{{text, std::min(received->bytes, room)}, received->bytes, received->from};
 }
 
-bool machine_has_ipv6() {
-  try {
-    UdpLink::listen(resolve({"::1", 0}));
-    return true;
-  } catch (const std::runtime_error&) {
-    return false;
-  }
-}
-
 class UdpLinkBothKinds : public testing::TestWithParam<const char*> {
  protected:
   void SetUp() override {
-    if (GetParam() == std::string("::1") && !machine_has_ipv6()) GTEST_SKIP() << "this machine has no IPv6";
+    if (GetParam() == std::string("::1") && !test::machine_has_ipv6()) GTEST_SKIP() << "this machine has no IPv6";
   }
   Address any_port() { return resolve({GetParam(), 0}); }
 };

@@ -137,7 +137,7 @@ TEST(Client, SendsNothingInTheClearToAnotherMachineThatItsServersNameLeadsTo) {
   std::atomic<bool> stop{false};
   std::string problem;
   later.run(stop, [&](time::Nanoseconds, time::Nanoseconds elapsed) {
-    problem = later.take_server_problem();
+    if (problem.empty()) problem = later.take_server_problem();
     if (!problem.empty() || elapsed > std::chrono::seconds{60}) stop = true;
   });
   EXPECT_NE(problem.find("is on another machine, and no keys are given"), std::string::npos) << problem;

@@ -104,7 +104,8 @@ TEST_F(MeshFile, ReadsTextStlInAnyLettersWithBlankLinesAndAnyEnd) {
 }
 
 TEST_F(MeshFile, ReadsABinaryStlWithBytesBehindItsLastTriangle) {
-  for (const std::string& header : {"solid, but binary", "exported         "}) {
+  for (const char* const begin : {"solid, but binary", "exported         "}) {
+    const std::string header = begin;
     const std::string content = header + binary_stl().substr(header.size()) + "appends";
     EXPECT_EQ(to_text(load_mesh(write("b.stl", content)).report()), "1 triangle, 3 vertices, open; 3 open edges");
   }

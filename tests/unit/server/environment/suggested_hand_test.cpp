@@ -71,7 +71,8 @@ TEST(PlaceToBegin, IsOutsideInEverySceneThatShips) {
     const control::Vector place_m = place_to_begin(*scene);
     ASSERT_GT(place_m.rows(), 0);
     scene::SceneState state(scene, static_cast<std::uint32_t>(place_m.rows()));
-    EXPECT_LE(state.answer(place_m, {}, {}, nullptr, {}).penetration_m, 0);
+    const scene::SceneAnswer answer = state.answer(place_m, {}, {}, nullptr, {});
+    EXPECT_TRUE(answer.force.isZero(0) || answer.penetration_m <= 0) << "within an object that pushes";
   }
 }
 

@@ -27,11 +27,11 @@ constexpr Nanoseconds kFollows{1s};  // it has engaged
 const char* const kFrozen = "a joint does not answer its torque: its readings are frozen";
 
 /// A robot whose readings freeze, led at 1 kHz by a place as a function of time.
-class Led {
+class LedRobot {
  public:
   using Lead = std::function<Eigen::Vector3d(double time_s)>;
 
-  Led(std::unique_ptr<Robot> at_work, const RobotFlaws& flaws, const std::string& architecture) : flaws_(flaws) {
+  LedRobot(std::unique_ptr<Robot> at_work, const RobotFlaws& flaws, const std::string& architecture) : flaws_(flaws) {
     auto flawed = std::make_unique<lab::FlawedRobotOf<Robot>>(std::move(at_work), flaws);
     robot = flawed.get();
     FollowerSettings settings{.architecture = architecture};
@@ -84,12 +84,12 @@ class Led {
   Vector frozen_at_{};
 };
 
-Led::Lead still() {
+LedRobot::Lead still() {
   return [](double) { return Eigen::Vector3d(Eigen::Vector3d::Zero()); };
 }
 
 /// Up and to the side, at that speed, for up to 0.2 m.
-Led::Lead away(double m_per_s) {
+LedRobot::Lead away(double m_per_s) {
   return
       [=](double time_s) { return Eigen::Vector3d(std::min(m_per_s * time_s, 0.2) * Eigen::Vector3d(0, -0.5, 0.866)); };
 }
@@ -97,10 +97,10 @@ Led::Lead away(double m_per_s) {
 std::unique_ptr<Robot> example_arm() { return open_robot(test::robot_driver("example")); }
 
 /// Frozen so long after its leader began to move away, for as long as it moves.
-Led frozen_on_its_way(std::unique_ptr<Robot> robot, Nanoseconds after, double m_per_s, int joint,
-                      const std::string& architecture = "position-position") {
+LedRobot frozen_on_its_way(std::unique_ptr<Robot> robot, Nanoseconds after, double m_per_s, int joint,
+                           const std::string& architecture = "position-position") {
   const RobotFlaws flaws{.frozen_from = kFollows + after, .frozen_until = 1h, .frozen_joint = joint};
-  Led led(std::move(robot), flaws, architecture);
+  LedRobot led(std::move(robot), flaws, architecture);
   led.run(kFollows, still());
   EXPECT_EQ(led.follower->report().state, FollowerState::following);
   led.run(6s, away(m_per_s));
@@ -113,7 +113,7 @@ TEST(JointAnswers, TheExampleArmTurnsLessThanATenthOfARadianOnceItsReadingsFreez
       for (const double m_per_s : {0.02, 0.05, 0.1, 0.2, 0.25}) {
         SCOPED_TRACE("joint " + std::to_string(joint) + " after " + std::to_string(after / 1ms) + " ms at " +
                      std::to_string(m_per_s) + " m/s");
-        const Led led = frozen_on_its_way(example_arm(), after, m_per_s, joint);
+        const LedRobot led = frozen_on_its_way(example_arm(), after, m_per_s, joint);
         // It has no brakes: from its speed its damping takes so long, by its inertia, to bring it to rest.
         constexpr double kCoasts_s = 0.4 / 2;
         EXPECT_LT(led.turned, std::max(0.1, 0.06 + kCoasts_s * led.speed));
@@ -132,7 +132,7 @@ TEST(JointAnswers, AnArmWithASensorAndBrakesIsStoppedToo) {
       for (const double m_per_s : {0.05, 0.2}) {
         SCOPED_TRACE(std::string(architecture) + " after " + std::to_string(after / 1ms) + " ms at " +
                      std::to_string(m_per_s) + " m/s");
-        const Led led = frozen_on_its_way(test::driven_arm(), after, m_per_s, -1, architecture);
+        const LedRobot led = frozen_on_its_way(test::driven_arm(), after, m_per_s, -1, architecture);
         EXPECT_LT(led.turned, 0.1);
         EXPECT_EQ(led.follower->totals().why_stopped, kFrozen);
         EXPECT_EQ(led.follower->totals().frozen, 1U);
@@ -149,7 +149,7 @@ TEST(JointAnswers, ARobotIsNeverSaidToBeFrozenForStandingStill) {
                      (has_sensor ? ", sensor" : ""));
         const test::GantrySettings gantry{
             .encoder_step_m = step_m, .wall_m = 0.02, .wall_N_per_m = wall_N_per_m, .has_sensor = has_sensor};
-        Led led(std::make_unique<test::GantryRobot>(gantry), {}, "position-position");
+        LedRobot led(std::make_unique<test::GantryRobot>(gantry), {}, "position-position");
         led.run(kFollows, still());
         led.run(4s, [](double time_s) { return Eigen::Vector3d(std::min(0.02 * time_s, 0.04), 0, 0); });
         EXPECT_EQ(led.follower->totals().frozen, 0U);
@@ -167,7 +167,7 @@ TEST(JointAnswers, MuchMoreFrictionThanToldNeitherStopsNorHoldsARobot) {
       test::GantrySettings gantry;
       gantry.wall_m = 1;
       gantry.stiction_N = stiction_N;
-      Led led(std::make_unique<test::GantryRobot>(gantry), {}, "position-position");
+      LedRobot led(std::make_unique<test::GantryRobot>(gantry), {}, "position-position");
       led.run(kFollows, still());
       led.run(4s, [=](double time_s) { return Eigen::Vector3d(m_per_s * time_s, 0, 0); });
       EXPECT_EQ(led.follower->totals().stops, 0U);
@@ -177,7 +177,7 @@ TEST(JointAnswers, MuchMoreFrictionThanToldNeitherStopsNorHoldsARobot) {
 }
 
 TEST(JointAnswers, AFrozenRobotFollowsAgainOnceItsReadingsDo) {
-  Led led(example_arm(), {.frozen_from = kFollows + 100ms, .frozen_until = kFollows + 1s}, "position-position");
+  LedRobot led(example_arm(), {.frozen_from = kFollows + 100ms, .frozen_until = kFollows + 1s}, "position-position");
   led.run(kFollows, still());
   led.run(1s, away(0.1));
   EXPECT_EQ(led.follower->totals().why_stopped, kFrozen);

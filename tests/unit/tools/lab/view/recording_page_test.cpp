@@ -19,7 +19,7 @@
 namespace forcebound::lab {
 namespace {
 
-using Json = nlohmann::json;
+using Json = nlohmann::ordered_json;
 using record::test::TemporaryFile;
 using testing::HasSubstr;
 
