@@ -144,6 +144,9 @@ constexpr std::string_view kShellsInWords =
 // It waits for a process that reads untrusted files.
 const std::string kChild = R"(common/forcebound/child/in_child\.cpp)";
 
+// They stop what a driver that crashed has left, on another thread and within a time.
+const std::string kCrash = R"(common/forcebound/driver/(crash|opened_driver)\.cpp)";
+
 const std::vector<Privilege>& privileges() {
   const auto shells_and = [](const std::string& more) { return std::regex(kShells + "|" + more); };
   static const std::vector<Privilege> kPrivileges{
@@ -174,14 +177,15 @@ const std::vector<Privilege>& privileges() {
                   R"(server/forcebound/server/environment/scene_library\.cpp|)"
                   R"(server/forcebound/server/security/moved_keys\.hpp|)"
                   R"(common/forcebound/net/(name_lookup\.cpp|peer_link\.hpp)|)" +
-                  kChild),
+                  kCrash + "|" + kChild),
        "common/forcebound/time/real_time.cpp, common/forcebound/record/idle_thread.hpp, which measures one, the "
        "client's scene_builder.hpp and handshaker.hpp, whose counts "
        "and texts another thread reads, the client's live_page.hpp, which two threads use, "
        "the server's shared_limits.hpp, moved_keys.hpp and scene_library.cpp, which all workers share, "
        "common/forcebound/net/name_lookup.cpp, which waits for name servers, and peer_link.hpp, whose news another "
        "thread takes, common/forcebound/page/page_server.cpp, common/forcebound/text/classic_locale.cpp, since the "
-       "locale is of all threads, common/forcebound/child and the shells"},
+       "locale is of all threads, common/forcebound/driver's crash.cpp and opened_driver.cpp, which stop what a driver "
+       "that crashed has left, common/forcebound/child and the shells"},
       {"sockets", std::regex(R"(#include\s*<(sys/socket|sys/epoll|poll|netdb|netinet/.*)(\.h)?>)"),
        shells_and("common/forcebound/net/(internal/)?udp.*|" + kChild),
        "common/forcebound/net/udp*, common/forcebound/child and the shells"},
@@ -192,9 +196,9 @@ const std::vector<Privilege>& privileges() {
        shells_and(R"(common/forcebound/net/(internal/)?udp.*|)"
                   R"(common/forcebound/time/(steady_clock|periodic_timer|real_time)\.[ch]pp|)"
                   R"(common/forcebound/record/idle_thread\.cpp|)" +
-                  kChild),
+                  kCrash + "|" + kChild),
        "common/forcebound/time's steady_clock, periodic_timer and real_time, common/forcebound/record/idle_thread.cpp, "
-       "common/forcebound/child and the shells"},
+       "common/forcebound/driver's crash.cpp and opened_driver.cpp, common/forcebound/child and the shells"},
       {"random numbers without a seed of ours",
        std::regex(R"(\bstd::random_device\b|\b(std::)?s?rand\(|\bgetrandom\(|\brandombytes|\bfill_with_random\()"),
        shells_and(R"(common/forcebound/security/random\.[ch]pp|common/forcebound/page/listen_address\.cpp)"),

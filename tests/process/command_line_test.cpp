@@ -147,8 +147,7 @@ TEST(TheRelay, RefusesWhatItCannotUseInOneLine) {
                    {{"--listen", "[::]:9", "--upstream", "[::1]:9"}, 2, {"--upstream", "[::1]:9", "--listen"}},
                    {{"--listen", kNowhere, "--upstream", "localhost:9"}, 2, {"--upstream", kNowhere, "--listen"}},
                    {{"--listen", "127.0.0.1:0", "--upstream", "here"}, 2, {"--upstream", "from 1 to 65535"}},
-                   {{"--listen", "127.0.0.1:0", "--upstream", "127.0.0.1:0"}, 2, {"--upstream", "1 to 65535"}},
-                   {{"--listen", "127.0.0.1:0", "--upstream", "no-such-host.invalid:1"}, 1, {"no-such-host.invalid"}}});
+                   {{"--listen", "127.0.0.1:0", "--upstream", "127.0.0.1:0"}, 2, {"--upstream", "1 to 65535"}}});
 }
 
 TEST(TheClient, RefusesWhatItCannotUseInOneLine) {
@@ -193,7 +192,6 @@ TEST(TheClient, RefusesWhatItCannotUseInOneLine) {
                   {{{"--duration", "1"}, 2, {"--server", "required"}},
                    {{"--server", "there"}, 2, {"--server", "'there'", "127.0.0.1:47800"}},
                    {{"--server", "127.0.0.1:0"}, 2, {"--server", "'127.0.0.1:0'", "1 to 65535"}},
-                   {{"--server", "no-such-host.invalid:1"}, 1, {"host 'no-such-host.invalid'"}},
                    {{"--server", kNowhere, "--duration", "-1"}, 2, {"--duration", "'-1'", "from 0"}},
                    {{"--server", kNowhere, "--duration", "long"}, 2, {"--duration", "'long'", "from 0"}}});
 }

@@ -49,7 +49,8 @@ TEST_P(ASignal, EndsEveryProgramCleanlyWithAllThatItKnows) {
 TEST_P(ASignal, EndsAClientThatHasNoServer) {
   Client client(free_address(), {});
   ASSERT_TRUE(client.wait_for("no answer from"));
-  EXPECT_EQ(client.stop(GetParam()), client.expected_end());
+  const auto ended = client.stop(GetParam());
+  EXPECT_EQ(ended, client.expected_end());
   EXPECT_EQ(client.summary()["complete"], true);
 }
 
@@ -77,7 +78,8 @@ TEST(TheClient, LogsAtItsStartWhichSchedulingItWasGranted) {
   Client client(free_address(), {});
   ASSERT_TRUE(client.wait_for("tick thread: "));
   EXPECT_THAT(client.err(), testing::ContainsRegex("tick thread: (no )?SCHED_FIFO"));
-  EXPECT_EQ(client.stop(), client.expected_end());
+  const auto ended = client.stop();
+  EXPECT_EQ(ended, client.expected_end());
   EXPECT_EQ(client.err().find("tick thread: "), client.err().rfind("tick thread: ")) << "once";
 }
 

@@ -73,7 +73,8 @@ void expect_each_option_to_stand_alone(const std::string& help) {
     EXPECT_EQ(indent, kName) << line;
     // The name alone, or the words in their column.
     const bool alone = line.find("  ", kName) == std::string::npos;
-    EXPECT_TRUE(alone ? line.size() != kWords - 1 && (line[kName] != '-' || line.find(" with ") == std::string::npos)
+    EXPECT_TRUE(alone ? (line.size() < kWords || line[kWords - 1] != ' ') &&
+                            (line[kName] != '-' || line.find(" with ") == std::string::npos)
                       : line.compare(kWords - 2, 2, "  ") == 0 && line[kWords] != ' ')
         << line;
   }

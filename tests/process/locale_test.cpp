@@ -76,11 +76,11 @@ TEST_F(ForeignLocale, ChosenByADriverLeavesTheRecordingReadable) {
 TEST_F(ForeignLocale, ChangesNoNumberThatProgramsReadOrWrite) {
   if (!preloads_) GTEST_SKIP() << "not under a sanitizer";
   const std::string explain = run(kServer, {"--scene", "pick_and_place", "--explain"}).out;
-  const Ran trials = run(kLab, {"trials", "sphere", "--duration", "0.5", "--json", folder_.file("before.json")}, 300s);
+  const Ran trials = run(kLab, {"trials", "sphere", "--seconds", "0.5", "--json", folder_.file("before.json")}, 300s);
   const InEnvironment foreign("FORCEBOUND_TEST_PRELOAD", FORCEBOUND_FOREIGN_LOCALE);
   const Ran explained = run(kServer, {"--scene", "pick_and_place", "--explain"});
   EXPECT_EQ(explained.out, explain) << explained.err;
-  const Ran again = run(kLab, {"trials", "sphere", "--duration", "0.5", "--json", folder_.file("after.json")}, 300s);
+  const Ran again = run(kLab, {"trials", "sphere", "--seconds", "0.5", "--json", folder_.file("after.json")}, 300s);
   EXPECT_EQ(again.exit_code, 0) << again.err;
   EXPECT_EQ(again.out, trials.out);
   EXPECT_EQ(content(folder_.file("after.json")), content(folder_.file("before.json")));

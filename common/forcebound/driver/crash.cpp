@@ -79,8 +79,8 @@ struct Stops {
   std::unique_ptr<time::SignalStack> stack;
 };
 Stops& stops() {
-  static auto* const only = new Stops;
-  return *only;
+  static auto* const kOnly = new Stops;
+  return *kOnly;
 }
 
 std::int64_t now_ns() noexcept {

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <memory>
 #include <ostream>
-#include <ranges>
 #include <stdexcept>
 
 #include "forcebound/control/classic_text.hpp"
@@ -42,7 +41,7 @@ Eigen::Index axes_of(const std::vector<std::string>& header, const CsvReader& re
     if (header == input_columns(axes)) return axes;
   }
   std::string got = header.front();
-  for (const std::string& field : header | std::views::drop(1)) got.append(",").append(field);
+  for (std::size_t i = 1; i < header.size(); ++i) got.append(",").append(header[i]);
   reader.refuse("expected the header time_s,x0_m[,x1_m..],fe0_N[,fe1_N..] for 1 to 6 axes, got '" + got.substr(0, 100) +
                 "'" + (header.front().empty() ? ", whose first column has no name (pandas: to_csv(index=False))" : ""));
 }

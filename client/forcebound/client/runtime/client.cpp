@@ -123,6 +123,7 @@ struct Client::Parts {
                                           .limits = handover::Limits::of_period(device.facts().period_s)});
     }
     session.emplace(Session::Options{.server = net::PeerLink::kPeer,
+                                     .server_in_words = settings.server,
                                      .scene = settings.scene,
                                      .policy = settings.policy,
                                      .seed = settings.seed,

@@ -59,7 +59,8 @@ class Session {
  public:
   struct Options {
     net::Address server;
-    std::string scene{};  ///< requested; empty: the server's default
+    std::string server_in_words{};  ///< of whom the summary tells; empty: its address
+    std::string scene{};            ///< requested; empty: the server's default
     LateForcePolicy policy{};
     std::uint64_t seed = 1;  ///< for the nonces of the handshake
     /// Runs the static parts of the scene, and lets local models go on; null: all forces are the server's.

@@ -163,7 +163,9 @@ record::RunTotals Session::totals() const {
   totals.releases_outside_facts = controller_.counts().releases_outside_facts;
   totals.longest_blackout = blackouts_.longest(last_tick_);
   if (totals.longest_blackout.duration > Nanoseconds::zero()) {
-    totals.notes.push_back(record::words_of(totals.longest_blackout, net::to_string(options_.server)));
+    const std::string& server = options_.server_in_words;
+    totals.notes.push_back(
+        record::words_of(totals.longest_blackout, server.empty() ? net::to_string(options_.server) : server));
   }
   totals.slew_bounded = rendering_.force_slew_bounded();
   totals.torque_slew_bounded = rendering_.torque_slew_bounded();

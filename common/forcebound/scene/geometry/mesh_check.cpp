@@ -8,7 +8,6 @@
 #include <cstring>
 #include <limits>
 #include <optional>
-#include <ranges>
 #include <sstream>
 #include <stdexcept>
 #include <string_view>
@@ -226,7 +225,7 @@ std::string plain_stl(const std::string& content) {
     plain += keyword;
     // Without the names of solids, in which any letter may be.
     if (!keyword.ends_with(kSolid)) {
-      for (const std::string_view word : words | std::views::drop(1)) plain.append(" ").append(lowered(word));
+      for (std::size_t i = 1; i < words.size(); ++i) plain.append(" ").append(lowered(words[i]));
     }
     plain += '\n';
   }

@@ -106,7 +106,6 @@ std::string in_words(const FollowerThread::Outcome& outcome) {
           (outcome.at_rest ? "at rest" : "NOT AT REST, its brakes are on") + "\n";
   text += "  period: " + timer_text(outcome.loop) + ", " + std::to_string(outcome.missed_ticks) + " missed\n";
   text += "  idle timer: " + timer_text(outcome.idle) + "\n";
-  if (totals.frozen > 0) text += "  faults: " + text::counted(totals.frozen, "stop") + " for frozen readings\n";
   for (const control::ReadingStatusRow& row : control::kReadingStatuses) {
     const std::uint64_t count = row.status == control::ReadingStatus::ok ? 0 : totals.readings[row.status];
     if (count > 0) text += "  faults: " + std::to_string(count) + " " + (count == 1 ? row.one : row.many) + "\n";

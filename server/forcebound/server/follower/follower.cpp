@@ -28,8 +28,6 @@ constexpr double kTowSlack_m = 2e-3;
 constexpr double kBegin_per_s = 5;  // the share of the reflection grows,
 constexpr double kEnd_per_s = 20;   // and ends
 
-constexpr std::string_view kFrozen = "a joint does not answer its torque: its readings are frozen";
-
 void check_above_zero(const char* what, double value) {
   if (value > 0 && std::isfinite(value)) return;
   control::ClassicText text;
@@ -83,7 +81,6 @@ Follower::Follower(std::unique_ptr<Robot> robot, const FollowerSettings& setting
       target_(settings.approach_m_per_s_max, settings.turn_rad_per_s_max),
       energy_({.power_scale = map_.power_scale(), .most_J = settings.store_J}),
       bias_(robot_->force_sensor()),
-      answers_(*robot_),
       given_(Vector::Zero(robot_->facts().joints())) {
   report_.map = map_;
 }
@@ -122,8 +119,7 @@ void Follower::tick(Nanoseconds now) noexcept {
   times_.begin_choosing(std::max(now, clock_.now()));
   const control::Motion motion = times_.motion_at(reading);
   const bool usable = judge(reading, now);
-  const Vector request =
-      usable ? within_rate(answers_.limited(torque(reading, now))) : Vector::Zero(reading.position.rows());
+  const Vector request = usable ? within_rate(torque(reading, now)) : Vector::Zero(reading.position.rows());
   const bool free = usable && !robot_->is_stopped();
   const Vector chosen = free ? controller_.tick(motion, request) : controller_.release(motion);
   const Nanoseconds commanded = std::max(now, clock_.now());
@@ -140,11 +136,6 @@ bool Follower::judge(const device::Reading& reading, Nanoseconds now) noexcept {
   const bool usable = reading.status == device::Reading::Status::ok;
   ++totals_.readings[reading.status];
   lost_ = reading.status;
-  if (robot_->is_stopped()) {
-    answers_.restart();
-  } else if (usable) {
-    answers_.note(reading, given_);
-  }
   note_sensed(now);
   const auto sensed = bias_.without(robot_->sensed_force());
   const ImpedanceController::Report& tool = impedance_.report();
@@ -171,7 +162,6 @@ bool Follower::judge(const device::Reading& reading, Nanoseconds now) noexcept {
   if (is_to_stop || by_itself) {
     ++totals_.stops;
     totals_.why_stopped = engagement_.why_stopped();
-    totals_.frozen += totals_.why_stopped == kFrozen ? 1 : 0;
   }
   if (is_to_stop) robot_->soft_stop(now);
   if (engagement_.begins()) {
@@ -214,8 +204,7 @@ std::string_view Follower::exceeded_limit(const device::Reading& reading, bool u
   }
   const bool is_outside = usable && (((reading.joint - limits.highest).array() > kOutside).any() ||
                                      ((limits.lowest - reading.joint).array() > kOutside).any());
-  if (is_outside) return "a joint is beyond its limits";
-  return answers_.frozen() ? kFrozen : "";
+  return is_outside ? "a joint is beyond its limits" : "";
 }
 
 /// From where tool and leader are now, so that nothing jumps.

@@ -12,7 +12,6 @@
 #include "forcebound/server/follower/architecture.hpp"
 #include "forcebound/server/follower/engagement.hpp"
 #include "forcebound/server/follower/grip.hpp"
-#include "forcebound/server/follower/joint_answers.hpp"
 #include "forcebound/server/follower/leader_motion.hpp"
 #include "forcebound/server/follower/received_energy.hpp"
 #include "forcebound/server/follower/sensor_bias.hpp"
@@ -68,7 +67,6 @@ struct FollowerTotals {
   std::uint64_t ticks = 0;
   std::uint64_t bounded = 0;  ///< ticks on which the law shortened the torques
   std::uint64_t stops = 0;
-  std::uint64_t frozen = 0;           ///< stops for joints that did not answer
   control::ReadingCounts readings{};  ///< by status; those that the robot held its torques on for aside
   std::uint64_t motions_refused = 0;  ///< of the leader, farther away than any hand
   std::string_view why_stopped{};     ///< last
@@ -153,7 +151,6 @@ class Follower {
   TargetLimiter target_;
   ReceivedEnergy energy_;
   SensorBias bias_;
-  JointAnswers answers_;
   Grip grip_;
 
   std::optional<LeaderMotion> leader_;

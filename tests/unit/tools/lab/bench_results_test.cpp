@@ -89,7 +89,7 @@ TEST(BenchTable, HasARowOfTheCommittedResultsOnOneLineOf100Columns) {
   for (const BenchRow& row : committed.rows) {
     if (row.kind != BenchRow::Kind::ratio) continue;
     const auto tells = [&](std::string_view line) {
-      return line.starts_with("  " + row.what + " ") && line.find(" " + row.ours + " ") != std::string_view::npos &&
+      return line.starts_with(row.what + " ") && line.find(" " + row.ours + " ") != std::string_view::npos &&
              line.find(" " + row.yardstick + " ") != std::string_view::npos &&
              line.find(" " + row.ratio) != std::string_view::npos;
     };

@@ -349,10 +349,9 @@ TEST(Replay, KnowsThePaceOfItsRowsSoThatOtherUnitsAreSaid) {
   EXPECT_EQ(doubt("0,0,0\n0.001,4e-3,0\n0.002,5e-3,0\n"), "moves at up to 4 m/s: are its positions in mm?");
   EXPECT_EQ(doubt("0,0,0\n1,1e-3,0\n2,2e-3,0\n"),
             "has rows 1 s apart, 1000 times the period of 0.001 s: are its times in ms?");
-  EXPECT_EQ(
-      doubt("0,0,0\n1e-6,0,0\n2e-6,0,0\n"),
-      "has rows 0.000001 s apart, 0.001 times the period of 0.001 s: are its times in 1000 s, or is the period in "
-      "ms?");
+  EXPECT_EQ(doubt("0,0,0\n1e-6,0,0\n2e-6,0,0\n"),
+            "has rows 1e-06 s apart, 0.001 times the period of 0.001 s: are its times in 1000 s, or is the period in "
+            "ms?");
   EXPECT_EQ(doubt("0,0,0\n"), "");
 }
 

@@ -160,7 +160,7 @@ void TetrahedralMesh::count_pieces() {
   std::vector<std::array<double, 3>> places;
   for (const scene::Point& node_m : nodes_m_) places.push_back({node_m.x(), node_m.y(), node_m.z()});
   std::ranges::sort(places);
-  coincident_nodes_ = static_cast<int>(std::ranges::unique(places).size());
+  coincident_nodes_ = static_cast<int>(places.end() - std::unique(places.begin(), places.end()));
 }
 
 double TetrahedralMesh::volume_m3() const noexcept {

@@ -174,9 +174,9 @@ TEST(SpherePressure, RefusesASphereTooSmallBesideTheSurfaceAndSaysWhatWouldDo) {
   } catch (const std::runtime_error& error) {
     EXPECT_THAT(error.what(), testing::MatchesRegex("square: a sphere of radius 0.001 m is too small beside edges of "
                                                     "0.0566 m on a surface of 2 triangles: expected 0 .a point., or "
-                                                    "at least 0.0036 m"));
+                                                    "at least 0.00355 m"));
   }
-  EXPECT_NO_THROW(SpherePressure(surface, 0.0036, 1e7, "square"));
+  EXPECT_NO_THROW(SpherePressure(surface, 0.00355, 1e7, "square"));
 }
 
 TEST(SpherePressure, DoesNotAllocate) {
