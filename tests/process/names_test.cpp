@@ -66,12 +66,16 @@ class NamesOfServers : public testing::Test {
 
 TEST_F(NamesOfServers, WithBothKindsOfAddressLeadToTheOneThatHasAServer) {
   const std::string port = port_of(free_address());
-  for (const std::string at : {"[::1]", "127.0.0.1"}) {
-    Process server(kServer, {"--scene", "sphere", "--listen", at + ":" + port});
+  for (const char* const at : {"[::1]", "127.0.0.1"}) {
+    std::string address = at;
+    address.append(":").append(port);
+    Process server(kServer, {"--scene", "sphere", "--listen", address});
     if (!server.wait_for("listening on ")) GTEST_SKIP() << "this machine has no IPv6";
     lead_to({"127.0.0.1", "::1"});
     Program client(*this, client_of(port, {"--once", "--duration", "2"}));
-    EXPECT_TRUE(client.wait_for("haptics.test:" + port + " is at " + at + ":" + port, kPatience)) << client.err();
+    std::string words = "haptics.test:";
+    words.append(port).append(" is at ").append(address);
+    EXPECT_TRUE(client.wait_for(words, kPatience)) << client.err();
     EXPECT_TRUE(client.wait_for("connected; simulated", kPatience)) << client.err();
     EXPECT_EQ(server.stop(), 0);
   }
