@@ -95,10 +95,10 @@ class LiveRun {
     std::string simulated{};
   };
 
-  /// Of several runs the worst counts.
+  /// Of several runs the worst counts; that none had a session counts where that is so of all.
   void note_end(int exit_code) {
-    constexpr std::array kFromWorst{program::kNotPassive, program::kFailed, program::kOutputLost,
-                                    program::kNeverConnected, program::kDone};
+    constexpr std::array kFromWorst{program::kNotPassive, program::kFailed, program::kOutputLost, program::kDone,
+                                    program::kNeverConnected};
     const auto rank = [&](int code) { return std::ranges::find(kFromWorst, code); };
     if (rank(exit_code) < rank(exit_code_)) exit_code_ = exit_code;
   }
@@ -296,7 +296,7 @@ class LiveRun {
   PageChoice choice_;
   std::optional<PageChoice> next_;
   std::optional<PageChoice> worked_;  ///< of the last run that came to its end
-  int exit_code_ = program::kDone;
+  int exit_code_ = program::kNeverConnected;
   std::vector<ShownTrack> shown_;       // of this run
   bool again_ = false;                  // this run, from where its hand is to begin
   std::optional<control::Vector> tip_;  // where the last run left it
