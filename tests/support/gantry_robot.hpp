@@ -30,6 +30,7 @@ struct GantrySettings {
   double speed_m_per_s_max = 2;  ///< of an axis, that it says
   double highest_m = 0.5;        ///< likewise
   double push_N = 0;             ///< of somebody, along y
+  double stiction_N = 0;         ///< dry friction of each axis, of which it says nothing
 };
 
 class GantryModel final : public server::RobotModel {
@@ -174,6 +175,10 @@ class GantryRobot : public server::Robot {
     force[0] += wall_force_N();
     force[1] += settings_.push_N;
     v_ = (settings_.mass_kg * v_ + h * force) / (settings_.mass_kg + h * b);
+    for (double& axis : v_) {
+      const double taken = h * settings_.stiction_N / settings_.mass_kg;
+      axis -= std::clamp(axis, -taken, taken);
+    }
     q_ += h * v_;
     audit_.energy_J += h * (settings_.damping_N_s_per_m * v_.squaredNorm() - force_.dot(v_));
     audit_.minimum_J = std::min(audit_.minimum_J, audit_.energy_J);

@@ -81,6 +81,7 @@ Follower::Follower(std::unique_ptr<Robot> robot, const FollowerSettings& setting
       target_(settings.approach_m_per_s_max, settings.turn_rad_per_s_max),
       energy_({.power_scale = map_.power_scale(), .most_J = settings.store_J}),
       bias_(robot_->force_sensor()),
+      unanswered_(*robot_),
       given_(Vector::Zero(robot_->facts().joints())) {
   report_.map = map_;
 }
@@ -138,6 +139,11 @@ bool Follower::judge(const device::Reading& reading, Nanoseconds now) noexcept {
   lost_ = reading.status;
   note_sensed(now);
   const auto sensed = bias_.without(robot_->sensed_force());
+  if (robot_->is_stopped()) {
+    unanswered_.restart();
+  } else if (usable) {
+    unanswered_.note(reading, given_, sensed);
+  }
   const ImpedanceController::Report& tool = impedance_.report();
   const FollowerState before = engagement_.state();
   const bool opens = brakes_open(reading, usable, now);
@@ -204,7 +210,8 @@ std::string_view Follower::exceeded_limit(const device::Reading& reading, bool u
   }
   const bool is_outside = usable && (((reading.joint - limits.highest).array() > kOutside).any() ||
                                      ((limits.lowest - reading.joint).array() > kOutside).any());
-  return is_outside ? "a joint is beyond its limits" : "";
+  if (is_outside) return "a joint is beyond its limits";
+  return unanswered_.frozen() ? "no joint answers its torque: the readings are frozen" : "";
 }
 
 /// From where tool and leader are now, so that nothing jumps.

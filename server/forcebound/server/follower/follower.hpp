@@ -16,6 +16,7 @@
 #include "forcebound/server/follower/received_energy.hpp"
 #include "forcebound/server/follower/sensor_bias.hpp"
 #include "forcebound/server/follower/target_limiter.hpp"
+#include "forcebound/server/follower/unanswered_torque.hpp"
 #include "forcebound/server/follower/workspace_map.hpp"
 
 namespace forcebound::server {
@@ -152,6 +153,7 @@ class Follower {
   ReceivedEnergy energy_;
   SensorBias bias_;
   Grip grip_;
+  UnansweredTorque unanswered_;
 
   std::optional<LeaderMotion> leader_;
   double leader_speed_m_per_s_ = 0;

@@ -15,7 +15,6 @@ struct RobotFlaws {
   Nanoseconds unplugged_until{Nanoseconds::max()};
   Nanoseconds frozen_from{Nanoseconds::max()};  ///< its readings repeat the one before, with new stamps
   Nanoseconds frozen_until{Nanoseconds::max()};
-  int frozen_joint = -1;  ///< it alone; -1: all
 };
 
 /// A robot, or one at a task, that is unplugged for a while: it returns no readings and takes no commands; the last one
@@ -73,12 +72,8 @@ class FlawedRobotOf : public Kind {
 
  private:
   void freeze(device::Reading& reading) const noexcept {
-    if (flaws_.frozen_joint < 0) {
-      reading.joint = shown_;
-    } else {
-      reading.joint[flaws_.frozen_joint] = shown_[flaws_.frozen_joint];
-    }
-    reading.position = reading.joint;
+    reading.joint = shown_;
+    reading.position = shown_;
   }
 
   std::unique_ptr<Kind> robot_;
