@@ -1,6 +1,7 @@
 // Loaded into programs before they begin (LD_PRELOAD): from then on the locale of C and of C++ has a comma for the
 // point and points between thousands, as a driver may choose it at any time.
 
+#include <clocale>
 #include <cstdio>
 #include <cstdlib>
 #include <iostream>  // makes the standard streams, which keep the locale from before
@@ -12,6 +13,7 @@ namespace {
 bool choose() {
   try {
     std::locale::global(std::locale("de_DE.UTF-8"));
+    std::setlocale(LC_MESSAGES, "C");  // tests read the system's words for errors
     return true;
   } catch (const std::runtime_error&) {
     std::fputs("no locale de_DE.UTF-8: LOCPATH must name a folder that has it\n", stderr);

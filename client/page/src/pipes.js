@@ -98,7 +98,7 @@ export class Pipes {
     setText(byId("up-text"), `${flying(network.in_flight_up)}${percent(network.lost_up, network.sent)} lost`);
     setText(byId("down-text"),
       `${flying(network.in_flight_down)}${percent(network.lost_down, network.received + network.lost_down)} lost`);
-    setText(byId("trip-text"), trip ? `Round trip of all answers ${digits(trip.median)} ms, 1 % above ${digits(trip.p99)} ms` : "Round trip not known yet");
+    setText(byId("trip-text"), trip ? `Round trip ${digits(trip.median)} ms, 1 % above ${digits(trip.p99)} ms` : "Round trip not known yet");
     this.changed();
   }
 

@@ -29,7 +29,7 @@ const kRows = [
   ["Leader", "", ({ leader }) => leader ?? "–"],
   ["Robot", "", ({ state }) => state ?? "–"],
   ["Gripper", "", ({ values, state }) =>
-    (state !== "following" ? "–" : values.grip_waits ? "waits until your grip is where it stands" : "goes with your grip")],
+    (state !== "following" ? "–" : values.grip_waits ? "waits for your grip" : "goes with your grip")],
   ["Clutch", "", ({ state, values }) => (values.leader_has_clutch === 0 ? "none" : state === "clutched" ? "pressed" : "released")],
   ["Architecture", "", ({ facts }) => facts.architecture ?? "–"],
   ["Its law", "", ({ facts }) => facts.law ?? "–"],

@@ -96,6 +96,7 @@ std::array<LeastEnergy, kJointsMax> make_joints(const Vector& damping, const Vec
 ExactLaw::ExactLaw(const DeviceFacts& facts, EnergyMemory memory, const Spending& spending)
     : joint_count_((check(facts), facts.joints())),
       dof_(facts.degrees_of_freedom()),
+      // Proof, A1 and A2: at every instant so much of damping and friction is there.
       joints_(make_joints((1 - facts.uncertainty.damping_share) * largest_diagonal_below(facts.damping),
                           (1 - facts.uncertainty.friction_share) * facts.friction,
                           std::make_index_sequence<kJointsMax>())),
@@ -113,6 +114,7 @@ ExactLaw::ExactLaw(const DeviceFacts& facts, EnergyMemory memory, const Spending
       memory_(memory),
       spending_(spending),
       jacobian_(Matrix::Identity(dof_, joint_count_)),
+      // Proof, A9: nothing is in effect before the first force.
       held_(joint_count_, lag_s_),
       committed_(Vector::Zero(joint_count_)) {}
 
@@ -120,6 +122,7 @@ void ExactLaw::credit(const Motion& motion) noexcept {
   FORCEBOUND_ASSERT(motion.joint.rows() == joint_count_, "a reading has a row for each joint");
   note_times(motion);
   jacobian_ = motion.jacobian;
+  // Proof, A10: V begins again only at the end of an interval whose both stamps are believed.
   if (!located_ && (blind_s_ > 0 || !stamps_.interval_believed())) return;
   for (Eigen::Index i = 0; i < joint_count_; ++i) {
     LeastEnergy& joint = joints_[static_cast<std::size_t>(i)];
@@ -145,6 +148,7 @@ void ExactLaw::note_times(const Motion& motion) noexcept {
     charge_all();
     return;
   }
+  // Proof, A4: so long it was by a true clock, and a reading is of within stamp_s of its stamp.
   const Bracket passed_s = times_.true_time(motion.interval_s);
   if (located_) {
     let_act(passed_s.most, std::max(1.0, kIntervalLeastPeriods * period_s_ / motion.interval_s));
@@ -156,6 +160,8 @@ void ExactLaw::note_times(const Motion& motion) noexcept {
 
 /// Puts the force committed last among those on their way, with what the motion and the facts tell of its times.
 void ExactLaw::note_command(const Motion& motion) noexcept {
+  // Proof, A6, A7 and A8: when it takes effect and ends, and that what is not said to have failed is carried out in
+  // order.
   const Bracket begin_s = held_.in_order(times_.effect(motion));
   held_.command(committed_, begin_s, times_.release(motion, begin_s), !motion.write_failed);
   committed_.setZero();
@@ -204,7 +210,7 @@ void ExactLaw::receive_energy(double energy_J) noexcept {
   energy_.add(energy_J);
 }
 
-/// The encoder's true position lies within half a step of its reading, or so much more as the facts say.
+/// Proof, A3: the encoder's true position lies within half a step of its reading, or so much more as the facts say.
 LeastEnergy::Tube ExactLaw::tube(Eigen::Index joint, double reading) const noexcept {
   const double half = encoder_half_[joint];
   if (half == 0) return {reading, reading};
@@ -212,7 +218,7 @@ LeastEnergy::Tube ExactLaw::tube(Eigen::Index joint, double reading) const noexc
   return {reading - wide, reading + wide};
 }
 
-/// The next force takes effect `latency_s` after the reading's stamp, or so much later as the facts allow.
+/// Proof, A6: the next force takes effect `latency_s` after the reading's stamp, or so much later as the facts allow.
 ExactLaw::Ahead ExactLaw::until_effect(double latency_s) const noexcept {
   const double begin_s = std::max(times_.true_time(latency_s).most + latency_s_.most, held_.horizon_s());
   Ahead ahead;
@@ -237,7 +243,7 @@ std::optional<double> ExactLaw::spendable_J(double latency_s) const noexcept {
   return std::max(energy_J, 0.0);
 }
 
-/// The most that the lag's rest of torques of these sizes can take.
+/// The most that the lag's rest of torques of these sizes can take. Proof, A5: whatever the time constant up to lag_s.
 double ExactLaw::lag_can_take_J(const Vector& left) const noexcept {
   double taken_J = 0;
   for (Eigen::Index i = 0; lag_s_ > 0 && i < joint_count_; ++i) {
@@ -246,7 +252,8 @@ double ExactLaw::lag_can_take_J(const Vector& left) const noexcept {
   return taken_J;
 }
 
-/// The sum over the stages of the release, for a torque given by its sizes.
+/// The sum over the stages of the release (proof, A7), for a torque given by its sizes. Proof, A5: each may be larger
+/// by torque_share, and go on for the lag.
 double ExactLaw::needed_J(const Vector& torque) const noexcept {
   const double full_s = paid_.full_s.most + lag_s_;
   const double part_s = paid_.part_s.most - paid_.full_s.most;

@@ -15,7 +15,7 @@ namespace forcebound::control {
 }
 
 /// Which stamps of readings can be believed. One that ends an interval that is not measurable cannot, and so neither
-/// can the interval from it to the next one, whatever the clock says (A10 of the proof). No interval ends at the first
+/// can the interval from it to the next one, whatever the clock says (proof, A10). No interval ends at the first
 /// stamp.
 class StampCheck {
  public:
