@@ -14,6 +14,7 @@ bool choose() {
   try {
     std::locale::global(std::locale("de_DE.UTF-8"));
     std::setlocale(LC_MESSAGES, "C");  // tests read the system's words for errors
+    ::unsetenv("LD_PRELOAD");          // gnuplot is not ours
     return true;
   } catch (const std::runtime_error&) {
     std::fputs("no locale de_DE.UTF-8: LOCPATH must name a folder that has it\n", stderr);

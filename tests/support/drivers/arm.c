@@ -24,6 +24,7 @@
 #include <unistd.h>
 
 #include "arm_body.h"
+#include "setting_number.h"
 
 #define GOOD_READINGS 100
 #define FAULTS 100
@@ -110,9 +111,9 @@ static int take(forcebound_device* arm, const char* key, const char* value) {
   } else if (strcmp(key, "sensor") == 0) {
     arm->sensor = atoi(value);
   } else if (strcmp(key, "hold") == 0) {
-    arm->hold_s = atof(value);
+    return setting_number(value, &arm->hold_s);
   } else if (strcmp(key, "rate") == 0) {
-    arm->rate_N_m_per_s = atof(value);
+    return setting_number(value, &arm->rate_N_m_per_s);
   } else {
     return 0;
   }
