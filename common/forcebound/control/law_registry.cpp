@@ -210,7 +210,7 @@ LawRegistry published_laws() {
 LawRegistry force_bounding_laws() {
   LawRegistry laws = published_laws();
   laws.add({.name = "fba-exact",
-            .summary = "least energy consistent with the readings: passive with real encoders, clocks and latency",
+            .summary = "credits a lower bound on the dissipated energy: passive with real encoders, clocks and latency",
             .claim = LawClaim::passive,
             .shortens = true,
             .make = [](const DeviceFacts& facts, const LawOptions& options) {

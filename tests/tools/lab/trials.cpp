@@ -185,8 +185,7 @@ std::string trials_table(const TrialsSettings& settings, const std::vector<Playe
              "  at rest     share of the contact in which the depth changes by < 5 mm/s; displayed stiffness (force "
              "over true depth) is the median there\n"
              "  worst push  largest force along the device's motion: pushing, not resisting\n"
-             "  off by      root mean square of the force's difference from the one without a network, over that "
-             "one's\n",
+             "  off by      RMS force error relative to the run without a network\n",
              0);
 }
 
