@@ -5,7 +5,6 @@ set(FORCEBOUND_CMAKE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/Forcebound)
 
 # How a consumer finds the packages that a component links, by the namespace of the linked target.
 set(FORCEBOUND_PACKAGE_Eigen3 Eigen3)
-set(FORCEBOUND_PACKAGE_OpenSSL OpenSSL)
 set(FORCEBOUND_PACKAGE_Sodium Sodium)
 set(FORCEBOUND_PACKAGE_Threads Threads)
 set(FORCEBOUND_PACKAGE_ZLIB ZLIB)

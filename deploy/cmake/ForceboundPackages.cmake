@@ -85,7 +85,7 @@ set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION
  package with a component for each.")
 # What the installed CMake package looks for; with static libraries shlibdeps finds none of it.
 set(FORCEBOUND_DEBIAN_LIBRARIES libeigen3-dev libprotobuf-dev libspdlog-dev libtomlplusplus-dev nlohmann-json3-dev
-    zlib1g-dev libzstd-dev libssl-dev libsodium-dev libassimp-dev)
+    zlib1g-dev libzstd-dev libsodium-dev libassimp-dev)
 if(FORCEBOUND_MUJOCO)
   list(APPEND FORCEBOUND_DEBIAN_LIBRARIES libmujoco-dev libqhull-dev libtinyxml2-dev libopengl-dev libglx-dev libgl-dev)
 endif()

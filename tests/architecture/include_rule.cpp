@@ -215,8 +215,8 @@ const std::vector<Privilege>& privileges() {
        "classic "
        "one, common/forcebound/program/command_line.cpp, which writes no number, and the tests"},
       {"libsodium", std::regex(R"(#include\s*[<"]sodium)"),
-       std::regex(R"(common/forcebound/security/.*\.cpp|tests/unit/security/.*)"),
-       "the .cpp files of common/forcebound/security, and their tests"},
+       std::regex(R"(common/forcebound/(security/.*|handover/hash)\.cpp|tests/unit/security/.*)"),
+       "the .cpp files of common/forcebound/security, and their tests, and common/forcebound/handover/hash.cpp"},
   };
   return kPrivileges;
 }

@@ -1,13 +1,13 @@
 #include "forcebound/handover/hash.hpp"
 
-#include <openssl/sha.h>
+#include <sodium.h>
 
 namespace forcebound::handover {
 
 Hash hash_of(std::span<const std::byte> bytes) {
   Hash hash;
-  SHA256(reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size(),
-         reinterpret_cast<unsigned char*>(hash.data()));
+  crypto_hash_sha256(reinterpret_cast<unsigned char*>(hash.data()),
+                     reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
   return hash;
 }
 
