@@ -30,8 +30,6 @@ std::optional<net::UdpLink> ServiceManager::take_socket() {
 
 void ServiceManager::tell_ready(const std::string& status) { sd_notify(0, ("READY=1\nSTATUS=" + status).c_str()); }
 
-void ServiceManager::tell_status(const std::string& status) { sd_notify(0, ("STATUS=" + status).c_str()); }
-
 void ServiceManager::tell_reloading() {
   timespec now{};
   clock_gettime(CLOCK_MONOTONIC, &now);

@@ -23,7 +23,6 @@ class ServiceManager {
 
   /// The service works. @param status for people, in one line
   static void tell_ready(const std::string& status);
-  static void tell_status(const std::string& status);
   static void tell_reloading();
   static void tell_stopping(const std::string& status);
 
