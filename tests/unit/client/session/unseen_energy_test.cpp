@@ -89,7 +89,7 @@ class Felt {
   HandSafety safety;
 
  private:
-  Felt(device::DeviceDescription description, const Hands& hands, const device::Safety& limits)
+  Felt(const device::DeviceDescription& description, const Hands& hands, const device::Safety& limits)
       : device(description, std::make_unique<Pressing>(description.facts.translations(), hands)),
         safety(limits, description.facts.force_N_max),
         unseen_(description.facts, limits),
