@@ -99,9 +99,9 @@ class Flood {
   Flood(Attack attack, const std::string& server)
       : attack_(std::move(attack)), server_(net::resolve(net::parse_peer(server))) {
     for (std::size_t i = 0; i < attack_.addresses; ++i) sources_.emplace_back(i);
-    if (attack_.in_bursts()) attack_.keys.value().begin(attack_.all(), random_);
-    if (attack_.kind == "replays") attack_.keys.value().begin(kRecorded, random_);
-    if (attack_.kind == "greedy") attack_.keys.value().begin(1, random_);
+    if (attack_.in_bursts()) attack_.keys.value().begin(attack_.all(), KeyHolders::Until::request, random_);
+    if (attack_.kind == "replays") attack_.keys.value().begin(kRecorded, KeyHolders::Until::request, random_);
+    if (attack_.kind == "greedy") attack_.keys.value().begin(1, KeyHolders::Until::session, random_);
   }
 
   void run() {

@@ -37,6 +37,12 @@ class BegunHandshake {
     (void)noise_->write({}, message_, ephemeral);
   }
 
+  /// What is begun for its request alone keeps no keys: a system allows only so many pieces of locked memory.
+  void expect_no_answer() {
+    noise_.reset();
+    channel_.reset();
+  }
+
   /// Whether it gave a session of keys.
   bool take_answer(const security::HandshakeAnswer& answer, time::Nanoseconds now) {
     std::array<std::byte, security::kAdmissionBytes> payload{};
@@ -45,20 +51,20 @@ class BegunHandshake {
     }
     const auto admission = security::admission_from(payload);
     if (!admission || admission->verdict != security::Verdict::let_in) return false;
-    channel_.begin({.own = topic_.client, .peer = admission->server});
+    channel_->begin({.own = topic_.client, .peer = admission->server});
     security::TransportKeys keys;
     noise_->split(keys);
-    return channel_.install(topic_.handshake, keys, security::Role::initiator, now);
+    return channel_->install(topic_.handshake, keys, security::Role::initiator, now);
   }
 
   /// Valid until the next call.
   [[nodiscard]] std::span<const std::byte> seal(std::span<const std::byte> content, time::Nanoseconds now) {
-    return std::span(record_).first(channel_.seal(content, record_, now).value_or(0));
+    return std::span(record_).first(channel_->seal(content, record_, now).value_or(0));
   }
 
   /// The content; empty if it cannot be opened. Valid until the next call.
   [[nodiscard]] std::span<const std::byte> open(std::span<const std::byte> record, time::Nanoseconds now) {
-    return std::span(plain_).first(channel_.open(record, plain_, now).bytes);
+    return std::span(plain_).first(channel_->open(record, plain_, now).bytes);
   }
 
   /// To `datagram`, of security::kRequestBytes.
@@ -84,7 +90,7 @@ class BegunHandshake {
   const security::ProofKey& proves_;
   std::optional<security::Handshake> noise_;
   std::vector<std::byte> message_;
-  security::Channel channel_{security::SessionNumbers{}};
+  std::optional<security::Channel> channel_{security::SessionNumbers{}};
   std::array<std::byte, net::kDatagramBytesMax> record_{};
   std::array<std::byte, net::kDatagramBytesMax> plain_{};
 };
@@ -101,10 +107,12 @@ class KeyHolders {
     }
   }
 
-  void begin(std::size_t count, std::mt19937_64& random) {
+  enum class Until : std::uint8_t { request, session };
+  void begin(std::size_t count, Until until, std::mt19937_64& random) {
     for (std::size_t i = 0; i < count; ++i) {
       const std::size_t whose = i % keys_.size();
       begun_.push_back(std::make_unique<BegunHandshake>(keys_[whose], server_, proofs_[whose], random));
+      if (until == Until::request) begun_.back()->expect_no_answer();
     }
   }
 
