@@ -18,7 +18,7 @@ constexpr double kSensed_s = 0.01;   // ago, at most
 
 }  // namespace
 
-UnansweredTorque::UnansweredTorque(const Robot& robot) noexcept : robot_(robot) {
+UnansweredTorque::UnansweredTorque(const Robot& robot) noexcept : robot_(robot), repeats_(robot.facts().encoder_step) {
   const control::DeviceFacts& facts = robot.facts();
   const Vector step = facts.encoder_step.rows() > 0 ? facts.encoder_step : Vector::Zero(facts.joints());
   least_ = (kFriction * facts.friction).cwiseMax(kOfLargest * robot.model().limits().torque_max);
@@ -29,7 +29,7 @@ UnansweredTorque::UnansweredTorque(const Robot& robot) noexcept : robot_(robot) 
 
 void UnansweredTorque::restart() noexcept {
   latched_.reset();
-  place_.resize(0);
+  repeats_.restart();
   frozen_ = false;
 }
 
@@ -40,26 +40,31 @@ void UnansweredTorque::note(const device::Reading& reading, const Vector& given,
   latched_ = reading.latched;
   Vector net = given;
   if (sensed) net -= robot_.model().jacobian(reading.joint).transpose() * *sensed;
-  const bool repeats = place_.rows() == reading.joint.rows() && place_ == reading.joint;
-  if (repeats) {
-    still_s_ += elapsed_s;
-    if (!sensed || still_s_ > kSensed_s) return drive(net, elapsed_s);
+  repeats_.note(reading.joint, elapsed_s);
+  if (still_s() == 0) {
+    lowest_ = net;
+    highest_ = net;
+    joints_.fill({});
+    frozen_ = false;
+  } else if (sensed && still_s() <= kSensed_s) {
     lowest_ = lowest_.cwiseMin(net);
     highest_ = highest_.cwiseMax(net);
-    return;
+  } else {
+    drive(reading.joint, net, elapsed_s);
   }
-  place_ = reading.joint;
-  lowest_ = net;
-  highest_ = net;
-  still_s_ = 0;
-  joints_.fill({});
-  frozen_ = false;
 }
 
-void UnansweredTorque::drive(const Vector& net, double elapsed_s) noexcept {
+/// For how long the readings of all joints have been the same.
+double UnansweredTorque::still_s() const noexcept {
+  double still_s = repeats_.still_s(0);
+  for (Eigen::Index i = 1; i < least_.rows(); ++i) still_s = std::min(still_s, repeats_.still_s(i));
+  return still_s;
+}
+
+void UnansweredTorque::drive(const Vector& place, const Vector& net, double elapsed_s) noexcept {
   const Vector change = net - net.cwiseMax(lowest_).cwiseMin(highest_);
   if (((change.cwiseAbs() - least_).array() <= 0).all()) return;
-  const Matrix mass = robot_.model().mass_matrix(place_);
+  const Matrix mass = robot_.model().mass_matrix(place);
   for (Eigen::Index i = 0; i < change.rows(); ++i) {
     Joint& joint = joints_.at(static_cast<std::size_t>(i));
     const double must = std::copysign(std::max(0.0, std::abs(change[i]) - least_[i]), change[i]);

@@ -3,6 +3,7 @@
 #include <array>
 #include <optional>
 
+#include "forcebound/device/repeated_readings.hpp"
 #include "forcebound/server/robot/robot.hpp"
 
 namespace forcebound::server {
@@ -43,17 +44,17 @@ class UnansweredTorque {
     double speed = 0;  ///< that it must have by now [rad/s] or [m/s],
     double way = 0;    ///< and how far it must have gone [rad] or [m]
   };
-  void drive(const Vector& net, double elapsed_s) noexcept;
+  [[nodiscard]] double still_s() const noexcept;
+  void drive(const Vector& place, const Vector& net, double elapsed_s) noexcept;
 
   const Robot& robot_;
   Vector least_;    ///< T
   Vector damping_;  ///< largest
   Vector way_;      ///< w
   std::optional<Nanoseconds> latched_{};
-  Vector place_{};      ///< of the latest reading
-  double still_s_ = 0;  ///< since it last changed
-  Vector lowest_{};     ///< net torque soon after that,
-  Vector highest_{};    ///< likewise
+  device::RepeatedReadings repeats_;
+  Vector lowest_{};   ///< net torque soon after the reading last changed,
+  Vector highest_{};  ///< likewise
   std::array<Joint, control::kJointsMax> joints_{};
   bool frozen_ = false;
 };
