@@ -10,8 +10,9 @@
 
 #include "forcebound/control/reading_status.hpp"
 #include "forcebound/record/blackout.hpp"
+#include "forcebound/record/fault_counts.hpp"
 #include "forcebound/time/clock.hpp"
-#include "forcebound/wire/codec.hpp"
+#include "forcebound/wire/malformed.hpp"
 
 /// Settings and totals of a run: with its ticks and forces, all that a summary needs.
 namespace forcebound::record {
@@ -64,7 +65,7 @@ struct IdleTimer {
 };
 
 /// Known when a run ends. Counts of datagrams are those of the environment forces and motions, not of handshakes.
-struct RunTotals {
+struct RunTotals : FaultCounts {
   std::uint64_t sent = 0;                                          ///< motions
   std::uint64_t received = 0;                                      ///< distinct forces
   std::uint64_t lost_up = 0;                                       ///< motions that the server did not see
@@ -74,54 +75,16 @@ struct RunTotals {
   std::uint64_t duplicated = 0;                                    ///< additional copies of motions or forces
   std::uint64_t reordered = 0;                                     ///< motions or forces that arrived after a newer one
   std::array<std::uint64_t, wire::kMalformedReasons> malformed{};  ///< datagrams dropped, by wire::Malformed
-  std::uint64_t foreign_session = 0;                               ///< well-formed, but of another session or sender
-  std::uint64_t non_finite_requests = 0;
-  control::ReadingCounts readings{};         ///< of each status that is refused: no force
-  std::uint64_t readings_too_far = 0;        ///< further than the device can be so soon: taken for lost
-  std::uint64_t failed_writes = 0;           ///< commands that may not have reached the motors
-  std::uint64_t effects_outside_facts = 0;   ///< reported by the device before the command, or not when its facts allow
-  std::uint64_t releases_outside_facts = 0;  ///< likewise: earlier or later than they allow
-  std::uint64_t withdrawn_forces = 0;      ///< commanded so long after the reading that the law no longer allowed them
-  std::uint64_t impossible_intervals = 0;  ///< ticks whose clock stood still or ran back: nothing credited
-  std::uint64_t held_too_long = 0;         ///< intervals beyond the hold time of a device that cannot let go
-  std::uint64_t released_by_device = 0;    ///< ticks so late that the device had zeroed the force itself
-  std::uint64_t stale_readings = 0;        ///< ticks left out since there was no new reading: the force was held
-  std::uint64_t reconnects = 0;
-  std::uint64_t refusals = 0;           ///< of a session, by the server
-  Blackout longest_blackout;            ///< without any new force
-  std::uint64_t scene_pieces = 0;       ///< received, of scenes that run at the client
-  std::uint64_t scene_piece_bytes = 0;  ///< of them
+  control::ReadingCounts readings{};                               ///< of each status that is refused: no force
+  Blackout longest_blackout;                                       ///< without any new force
+  std::uint64_t scene_pieces = 0;                                  ///< received, of scenes that run at the client
+  std::uint64_t scene_piece_bytes = 0;                             ///< of them
   std::uint64_t scenes_from_cache = 0;
-  std::uint64_t scenes_refused = 0;      ///< handed over by the server, but malformed or too large
-  std::uint64_t parts_quarantined = 0;   ///< of scenes that run at the client: force not finite, left out from then on
-  std::uint64_t searches_exhausted = 0;  ///< ticks without the scene at the client: too much of a mesh to search
-  std::uint64_t models_refused = 0;      ///< local models of answers that were unsound: their forces were held
   std::optional<Nanoseconds> server_ahead{};      ///< the server's clock less the client's, if that is known
   std::optional<Nanoseconds> server_ahead_off{};  ///< and by how much it may be off
-  std::uint64_t slew_bounded = 0;                 ///< ticks on which the slew bound limited the requested force
-  std::uint64_t torque_slew_bounded = 0;          ///< likewise of the torque
-  std::uint64_t trips_of_speed = 0;               ///< times the hand was too fast for a force
-  std::uint64_t trips_of_turn = 0;                ///< times it turned too fast for one
-  std::uint64_t trips_of_workspace = 0;           ///< times it left the workspace that the device's safety limits name
-  std::uint64_t trips_of_heat = 0;                ///< times the mean square of the force was too large for the motors
-  std::uint64_t trips_of_dead_man = 0;            ///< times the dead-man button was let go, or not pressed at the start
-  std::uint64_t trips_of_frozen_readings = 0;     ///< times readings did not change, though the force on the device did
-  std::uint64_t watchdog_stops = 0;               ///< times the device was stopped because the tick did not run
-  std::uint64_t send_failures = 0;
-  std::uint64_t missed_ticks = 0;            ///< left out: the loop woke too late for them
-  std::uint64_t device_gaps_cut = 0;         ///< pauses too long to simulate: the device stood still meanwhile
-  std::uint64_t device_frozen_joints = 0;    ///< milliseconds in which the simulation of its friction failed
-  std::uint64_t device_faulty_commands = 0;  ///< not finite, shown as zero
-  std::uint64_t device_handle_refused = 0;   ///< orientations and gripper openings that cannot be true
-  std::uint64_t datagrams_overflowed = 0;    ///< arrived, but the socket was full
-  std::uint64_t port_unreachable = 0;        ///< port unreachable (ICMP) received from the server's machine
-  std::uint64_t events_dropped = 0;          ///< log lines for which the queue had no room
-  std::uint64_t tick_allocations = 0;        ///< in the tick, after start
-  std::uint64_t recording_dropped = 0;       ///< records that found the recorder's queue full
-  std::uint64_t recording_unwritten = 0;     ///< records that could not be written, for example on a full disk
-  std::vector<std::string> notes;            ///< one line for each fault that needs an explanation
-  std::string scene;                         ///< as the server named it; empty: there was no session
-  std::string simulated;                     ///< what the server said it simulates, as text
+  std::vector<std::string> notes;                 ///< one line for each fault that needs an explanation
+  std::string scene;                              ///< as the server named it; empty: there was no session
+  std::string simulated;                          ///< what the server said it simulates, as text
   IdleTimer idle_timer;
 };
 

@@ -7,6 +7,7 @@
 #include <type_traits>
 #include <variant>
 
+#include "forcebound/wire/malformed.hpp"
 #include "forcebound/wire/messages.hpp"
 
 namespace forcebound::wire {
@@ -18,18 +19,6 @@ inline constexpr std::size_t kFrameBytesMax = 1200;
 /// Longer names (device, scene) and texts (what is simulated, why refused) are cut to this many bytes of UTF-8.
 inline constexpr std::size_t kNameBytesMax = 64;
 inline constexpr std::size_t kTextBytesMax = 1000;
-
-/// Why a datagram was dropped. Each reason is counted.
-enum class Malformed : std::uint8_t {
-  oversize,    ///< longer than the protocol allows
-  truncated,   ///< shorter than the frame's header
-  foreign,     ///< without the protocol's mark, or of another frame version
-  corrupt,     ///< the checksum disagrees
-  unreadable,  ///< the body is not the message of its kind; also a short Hello, or a motion without position
-  non_finite,  ///< a number in it is not finite, a vector has more than six rows or more than 16 numbers of a
-               ///< server-side law
-};
-inline constexpr std::size_t kMalformedReasons = 6;
 
 /// The index of a type in a variant.
 template <class Type, class... Types>
