@@ -209,6 +209,40 @@ void add_session(CLI::App& command, AccuracyOptions& options) {
       ->capture_default_str();
 }
 
+/// Which scenes are compared with which.
+void add_scenes(CLI::App& command, AccuracyOptions& options) {
+  command
+      .add_option(
+          "--sweep", options.sweep,
+          "a key of the scene and its values, from coarse to fine or back: "
+          "tissue.pad.shape.cells=[2,2,1],[4,4,2],[8,8,4]; object.NAME.shape.detail=0.03,0.1,1; "
+          "or of the session, with the scene unchanged: law=none,fba-less,fba-more,fba-exact; "
+          "hold_ms=0,50,250; drop_ms=300,1000; rate_Hz=20,50,1000; rendering=remote,local. Default: the scene's own "
+          "levels")
+      ->type_name("KEY=V1,V2,...");
+  command
+      .add_option("--set", options.fixed,
+                  "a key of the scene and another value for all runs, before the sweep; may be repeated: "
+                  "bodies.solver='\"pgs\"'")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+  command
+      .add_option("--reference", options.reference,
+                  "a scene whose force is exact; default: the limit of the finest levels; for a solver of "
+                  "bodies a tight Newton's method")
+      ->check(known_scene())
+      ->type_name("NAME|FILE.toml");
+}
+
+void add_outputs(CLI::App& command, AccuracyOptions& options) {
+  add_output(command, "--json", options.json, "write all figures to this file")->type_name("FILE.json");
+  add_output(command, "--levels", options.levels,
+             "write the results to this file as the table [accuracy] of a scene with accuracy = \"auto\"")
+      ->type_name("FILE.toml");
+  add_output(command, "--readme", options.readme, "put a table between the marks of this file")->type_name("PAGE.md");
+  add_figures(command, options.figures, options.formats, "draw the errors");
+}
+
 }  // namespace
 
 void add_accuracy(CLI::App& app) {
@@ -223,27 +257,7 @@ void add_accuracy(CLI::App& app) {
       ->check(program::accepted_by([](const std::string& scene) {
         if (!is_written(scene) && !device::names_a_file(scene)) (void)server::scene_source(scene);
       }));
-  command
-      ->add_option(
-          "--sweep", options->sweep,
-          "a key of the scene and its values, from coarse to fine or back: "
-          "tissue.pad.shape.cells=[2,2,1],[4,4,2],[8,8,4]; object.NAME.shape.detail=0.03,0.1,1; "
-          "or of the session, with the scene unchanged: law=none,fba-less,fba-more,fba-exact; "
-          "hold_ms=0,50,250; drop_ms=300,1000; rate_Hz=20,50,1000; rendering=remote,local. Default: the scene's own "
-          "levels")
-      ->type_name("KEY=V1,V2,...");
-  command
-      ->add_option("--set", options->fixed,
-                   "a key of the scene and another value for all runs, before the sweep; may be repeated: "
-                   "bodies.solver='\"pgs\"'")
-      ->type_name("KEY=VALUE")
-      ->allow_extra_args(false);
-  command
-      ->add_option("--reference", options->reference,
-                   "a scene whose force is exact; default: the limit of the finest levels; for a solver of "
-                   "bodies a tight Newton's method")
-      ->check(known_scene())
-      ->type_name("NAME|FILE.toml");
+  add_scenes(*command, *options);
   command->add_option("--rtt", options->round_trips, "round trips: 1ms,5ms,0.02s or bare milliseconds")
       ->delimiter(',')
       ->type_name("TIME,TIME,...")
@@ -278,12 +292,7 @@ void add_accuracy(CLI::App& app) {
   command->add_option("--budget", options->budget_us, "longest step to recommend")
       ->check(program::number_above_zero())
       ->type_name("US");
-  add_output(*command, "--json", options->json, "write all figures to this file")->type_name("FILE.json");
-  add_output(*command, "--levels", options->levels,
-             "write the results to this file as the table [accuracy] of a scene with accuracy = \"auto\"")
-      ->type_name("FILE.toml");
-  add_output(*command, "--readme", options->readme, "put a table between the marks of this file")->type_name("PAGE.md");
-  add_figures(*command, options->figures, options->formats, "draw the errors");
+  add_outputs(*command, *options);
   command->callback([options, frequency, depth] {
     options->has_harmonic = frequency->count() + depth->count() > 0;
     accuracy(*options);

@@ -110,84 +110,93 @@ void run(TeleoperateOptions& options) {
   if (!options.figure.empty()) draw(teleoperation_figure(groups), options.figure, options.formats);
 }
 
-}  // namespace
-
-void add_teleoperate(CLI::App& app) {
-  auto options = std::make_shared<TeleoperateOptions>();
-  TeleoperationStudy& study = options->study;
-  study.architectures = architecture_names();
-  CLI::App* command =
-      app.add_subcommand("teleoperate", "A robot arm at a task, led by a hand through a network, in virtual time");
-  command->add_option("tasks", options->tasks, "tasks, or files of such; all: those that ship")
+void add_study(CLI::App& command, TeleoperateOptions& options) {
+  TeleoperationStudy& study = options.study;
+  command.add_option("tasks", options.tasks, "tasks, or files of such; all: those that ship")
       ->check(program::accepted_by([](const std::string& typed) {
         if (typed != kAll) (void)server::load_task(typed);
       }))
       ->type_name("TASK")
       ->delimiter(',')
       ->capture_default_str();
-  command->add_option("--architectures", study.architectures, "which signals go which way; default: all, see below")
+  command.add_option("--architectures", study.architectures, "which signals go which way; default: all, see below")
       ->check(program::accepted_by([](const std::string& typed) { (void)server::find_architecture(typed); }))
       ->type_name("NAMES")
       ->delimiter(',');
-  command->add_option("--laws", study.laws, "laws, each at both ends")
+  command.add_option("--laws", study.laws, "laws, each at both ends")
       ->check(known_law())
       ->type_name("LAWS")
       ->delimiter(',')
       ->capture_default_str();
   command
-      ->add_option("--network", options->networks,
-                   "netem's words, none or trace:FILE, once for each; default: none, 10 and 50 ms each way, and the "
-                   "recorded networks of FORCEBOUND_DATA")
+      .add_option("--network", options.networks,
+                  "netem's words, none or trace:FILE, once for each; default: none, 10 and 50 ms each way, and the "
+                  "recorded networks of FORCEBOUND_DATA")
       ->check(known_network())
       ->type_name("WORDS")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  command->add_option("--seeds", study.seeds, "runs of each: hands and networks differ")
+  command.add_option("--seeds", study.seeds, "runs of each: hands and networks differ")
       ->check(program::whole_within(1, 1000))
       ->type_name("N")
       ->capture_default_str();
-  command->add_option("--device", study.device, "in the hand, of three axes")
+  command.add_option("--device", study.device, "in the hand, of three axes")
       ->check(known_device())
       ->type_name("DEVICE")
       ->capture_default_str();
-  command->add_option("--motion-scale", study.follower.workspace.motion_scale, "the tool moves so many times as far")
+  command.add_option("--motion-scale", study.follower.workspace.motion_scale, "the tool moves so many times as far")
       ->check(program::number_within(0.01, 100))
       ->type_name("M")
       ->capture_default_str();
-  command->add_option("--force-scale", study.follower.workspace.force_scale, "the hand feels so many times the force")
+  command.add_option("--force-scale", study.follower.workspace.force_scale, "the hand feels so many times the force")
       ->check(program::number_within(0.001, 100))
       ->type_name("K")
       ->capture_default_str();
-  CLI::Option* const touches = command->add_flag(
-      "--touches", options->touches,
+}
+
+/// Another question in place of the study's table, or where to write that.
+void add_outcome(CLI::App& command, TeleoperateOptions& options) {
+  CLI::Option* const touches = command.add_flag(
+      "--touches", options.touches,
       "how the stiff wall feels on a first and a second touch and as the hand slides along it, beside the same device "
       "without robot and network");
   CLI::Option* const faults =
       command
-          ->add_flag("--faults", options->faults,
-                     "what robot and hand do when client, server, network or robot fail, with the first of the "
-                     "architectures, laws and networks")
+          .add_flag("--faults", options.faults,
+                    "what robot and hand do when client, server, network or robot fail, with the first of the "
+                    "architectures, laws and networks")
           ->excludes(touches);
   CLI::Option* const impedance =
       command
-          ->add_flag("--impedance", options->impedance,
-                     "what a hand that swings with 0.5 to 20 Hz meets, in free space and pressing the stiff wall")
+          .add_flag("--impedance", options.impedance,
+                    "what a hand that swings with 0.5 to 20 Hz meets, in free space and pressing the stiff wall")
           ->excludes(touches)
           ->excludes(faults);
-  add_output(*command, "--json", options->json, "write a row for each run to this file")
+  add_output(command, "--json", options.json, "write a row for each run to this file")
       ->excludes(touches)
       ->excludes(faults)
       ->excludes(impedance)
       ->type_name("FILE.json");
-  add_output(*command, "--csv", options->csv, "write the table to this file")
+  add_output(command, "--csv", options.csv, "write the table to this file")
       ->excludes(touches)
       ->excludes(faults)
       ->excludes(impedance)
       ->type_name("FILE.csv");
-  add_figure(*command, options->figure, options->formats, "draw force error and tracking error")
+  add_figure(command, options.figure, options.formats, "draw force error and tracking error")
       ->excludes(touches)
       ->excludes(faults)
       ->excludes(impedance);
+}
+
+}  // namespace
+
+void add_teleoperate(CLI::App& app) {
+  auto options = std::make_shared<TeleoperateOptions>();
+  options->study.architectures = architecture_names();
+  CLI::App* command =
+      app.add_subcommand("teleoperate", "A robot arm at a task, led by a hand through a network, in virtual time");
+  add_study(*command, *options);
+  add_outcome(*command, *options);
   command->footer("Tasks:\n" + tasks_help() + "\nArchitectures:\n" + architectures_help() +
                   "\n"
                   "Both ends are bounded by the law: the device by its own damping, the robot by that of its joints "

@@ -70,19 +70,8 @@ struct Typed {
   std::uint64_t all_MiB = memory_of_machine() / 2 / kMebibyte;
 };
 
-void describe(CLI::App& app, ProgramOptions& options, Typed& typed) {
-  program::set_up(app, kProgram);
-  app.description(kDescription);
-  app.footer(footer());
-  app.add_option("--listen", typed.listen, "address to serve; port 0 takes a free one")
-      ->type_name("HOST:PORT")
-      ->capture_default_str();
-  app.add_option("--page", typed.page,
-                 "serve a live page of the sessions, their figures also as /metrics; its address is printed. Of this "
-                 "machine alone unless HOST says otherwise; default port 47880")
-      ->expected(0, 1)
-      ->type_name("[PORT|HOST:PORT]");
-  add_key_options(app, options.keys);
+/// What is simulated, or only told of, and what is written down.
+void add_scene(CLI::App& app, ProgramOptions& options, Typed& typed) {
   CLI::Option* const scene = app.add_option("--scene", options.scene, "scene for clients that request none")
                                  ->type_name("NAME|FILE.toml")
                                  ->capture_default_str();
@@ -124,6 +113,10 @@ void describe(CLI::App& app, ProgramOptions& options, Typed& typed) {
       ->excludes(suggest)
       ->excludes(schema)
       ->type_name("FILE.mcap");
+}
+
+/// Who may use how much.
+void add_limits(CLI::App& app, ProgramOptions& options, Typed& typed) {
   app.add_option("--workers", options.workers,
                  "threads that serve at the same address, each with its own sessions; 0: one for each processor that "
                  "this process may use, by its affinity and by its control group's quota. A robot (--follower) and a "
@@ -179,6 +172,23 @@ void describe(CLI::App& app, ProgramOptions& options, Typed& typed) {
       ->check(program::one_of("end of use", {"ready", "shutdown"}))
       ->type_name("ready|shutdown")
       ->capture_default_str();
+}
+
+void describe(CLI::App& app, ProgramOptions& options, Typed& typed) {
+  program::set_up(app, kProgram);
+  app.description(kDescription);
+  app.footer(footer());
+  app.add_option("--listen", typed.listen, "address to serve; port 0 takes a free one")
+      ->type_name("HOST:PORT")
+      ->capture_default_str();
+  app.add_option("--page", typed.page,
+                 "serve a live page of the sessions, their figures also as /metrics; its address is printed. Of this "
+                 "machine alone unless HOST says otherwise; default port 47880")
+      ->expected(0, 1)
+      ->type_name("[PORT|HOST:PORT]");
+  add_key_options(app, options.keys);
+  add_scene(app, options, typed);
+  add_limits(app, options, typed);
   app.add_flag("--realtime", options.realtime, "ask the system for real-time scheduling and locked memory");
   app.add_flag("-v,--verbose", options.verbose, "log totals every 10 s");
   program::add_log_option(app);
