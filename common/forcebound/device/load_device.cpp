@@ -158,6 +158,12 @@ DeviceDescription parse_description(std::string_view toml_text, const std::strin
   if (kind == "chain" && dof == control::kDofMax) device.facts.rotations = dof - kTranslations;
   int joints = dof;
   // A chain's says how many joints there are.
+  if (!device.facts.cartesian && use == Use::simulation && file.find(kind) == nullptr) {
+    throw std::invalid_argument(place + ":1: device '" + device.facts.name + "': '" + kind +
+                                "' is missing (accepted: a table), which a simulated device needs; a file of facts "
+                                "alone is a driver's: driver:FILE.so:facts=" +
+                                place);
+  }
   const bool needs_geometry = !device.facts.cartesian && (use == Use::simulation || kind == "chain");
   if (!device.facts.cartesian && (needs_geometry || file.find(kind) != nullptr)) {
     device.geometry = read_geometry(file, kind, dof);
@@ -196,6 +202,11 @@ bool names_a_file(std::string_view name_or_file) noexcept {
 }
 
 DeviceDescription load_device(const std::string& name_or_file) {
+  if (const std::size_t at = name_or_file.find(":facts="); at != std::string::npos) {
+    throw std::invalid_argument("'" + name_or_file.substr(0, at) +
+                                "' takes no facts: only a driver does, as in driver:" + "FILE.so" +
+                                name_or_file.substr(at));
+  }
   if (names_a_file(name_or_file)) return parse_device(text::read_file(name_or_file), name_or_file);
   for (const text::EmbeddedText& device : shipped_devices()) {
     if (device.name == name_or_file) return parse_device(device.text, "devices/" + name_or_file + ".toml");

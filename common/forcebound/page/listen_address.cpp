@@ -14,16 +14,16 @@
 
 namespace forcebound::page {
 
-ListenAddress parse_listen_address(std::string_view text) {
-  ListenAddress at;
+ListenAddress parse_listen_address(std::string_view text, std::uint16_t standard) {
+  ListenAddress at{.port = standard};
   if (text.empty()) return at;
   const std::size_t colon = text.rfind(':');
   const std::string_view digits = colon == std::string_view::npos ? text : text.substr(colon + 1);
   const auto port = text::whole_number<std::uint16_t>(digits);
   if (!port || colon == 0) {
-    throw std::invalid_argument("'" + text::printable(text) +
-                                "' is no PORT or HOST:PORT; accepted are 47880, 127.0.0.1:47880, [::1]:47880, or port "
-                                "0 for a free one");
+    const std::string number = std::to_string(standard);
+    throw std::invalid_argument("'" + text::printable(text) + "' is no PORT or HOST:PORT; accepted are " + number +
+                                ", 127.0.0.1:" + number + ", [::1]:" + number + ", or port 0 for a free one");
   }
   at.port = *port;
   if (colon != std::string_view::npos) at.host = text.substr(0, colon);

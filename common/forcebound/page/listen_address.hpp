@@ -8,18 +8,21 @@
 
 namespace forcebound::page {
 
-/// The port of a page unless another is given.
-inline constexpr std::uint16_t kPort = 47880;
+/// The ports of the pages of a client, a server and a recording unless others are given: on one machine all may be
+/// open.
+inline constexpr std::uint16_t kClientPort = 47880;
+inline constexpr std::uint16_t kServerPort = 47881;
+inline constexpr std::uint16_t kRecordingPort = 47882;
 
 /// Where a page is served.
 struct ListenAddress {
   std::string host{"127.0.0.1"};
-  std::uint16_t port = kPort;
+  std::uint16_t port = 0;
 };
 
-/// Reads PORT, of this machine alone, or HOST:PORT; empty: port 47880 of this machine.
+/// Reads PORT, of this machine alone, or HOST:PORT; empty: port `standard` of this machine.
 /// @throws std::invalid_argument naming the text and what would be accepted
-[[nodiscard]] ListenAddress parse_listen_address(std::string_view text);
+[[nodiscard]] ListenAddress parse_listen_address(std::string_view text, std::uint16_t standard);
 
 /// Why there is no page beside this program, and how to get it, in one line; empty: its files are there.
 [[nodiscard]] std::string missing_page(const std::string& program_path);

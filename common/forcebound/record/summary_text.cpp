@@ -135,7 +135,8 @@ void SummaryView::print_follower(std::string& out) const {
 void SummaryView::print_contact(std::string& out) const {
   if (s.shows_torque_) print_field(out, "torque", rounded(s.torque_N_m_max_) + " N m max");
   if (s.contact_ticks_ == 0) {
-    print_field(out, "contact", "none; " + rounded(s.force_N_max_) + " N max");
+    print_field(out, "contact",
+                (s.has_follower_ ? "not told by a robot; " : "none; ") + rounded(s.force_N_max_) + " N max");
     return;
   }
   std::string contact = percent(share(s.contact_ticks_)) + " of the ticks, ";

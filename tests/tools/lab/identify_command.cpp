@@ -141,7 +141,7 @@ void add_identify(CLI::App& app) {
   command->add_option("--device", options->device, "device, as for forcebound-client")
       ->check(program::not_empty())
       ->type_name("NAME");
-  add_output(*command, "--out", options->out, "write the facts to this file, for --device NAME:facts=FILE")
+  add_output(*command, "--out", options->out, "write the facts to this file, for --device driver:FILE.so:facts=FILE.toml")
       ->type_name("FILE.toml");
   add_figure(*command, options->figure, options->formats, "draw the slides' force over their speed, with the bounds");
   command->add_option("--force-share", options->guide.force_share, "of the device's largest force")
@@ -183,7 +183,7 @@ void add_identify(CLI::App& app) {
       "Ends with 1 where a fact is missing that a law needs; with --hidden where a bound is wrong.\n"
       "\n"
       "Examples:\n"
-      "  forcebound-lab identify --device omni --out omni-facts.toml --figure omni.png\n"
+      "  forcebound-lab identify --device driver:./my-device.so --out facts.toml --figure slides.png\n"
       "  forcebound-lab identify --hidden 500 --seed 1");
   command->callback([options] {
     options->guide.seed = options->seed;

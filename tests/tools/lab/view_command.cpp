@@ -39,7 +39,8 @@ void wait_for_interrupt() {
 }
 
 void run(const ViewOptions& options) {
-  const auto at = program::value_of("--page", [&] { return page::parse_listen_address(options.page); });
+  const auto at =
+      program::value_of("--page", [&] { return page::parse_listen_address(options.page, page::kRecordingPort); });
   Recorded recorded = read_recorded(options.recording);
   if (!recorded.flaw.empty()) std::cerr << text::printable(recorded.flaw) << '\n';
   std::string scene = scene_message_of(recorded, options.scene);
@@ -67,7 +68,7 @@ void add_view(CLI::App& app) {
                    "where the page is served: of this machine alone unless HOST says otherwise; its address is printed")
       ->expected(0, 1)
       ->type_name("PORT|HOST:PORT")
-      ->default_str("47880");
+      ->default_str("47882");
   view->add_option("--scene", options->scene, "scene to draw; default: the one that ships under the recorded name")
       ->type_name("NAME|FILE.toml");
   view->footer(

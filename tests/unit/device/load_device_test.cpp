@@ -226,7 +226,10 @@ TEST(ParseDevice, RefusesMissingKeysAndUnknownKinds) {
               HasSubstr("'mass_kg' is missing (accepted: > 0: one number, 2 numbers, or 2 rows of 2)"));
   EXPECT_THAT(refusal_of_file("kind = 'cartesian'\ndegrees_of_freedom = 7\n"),
               HasSubstr("degrees_of_freedom must be a whole number from 1 to 3, got 7"));
-  EXPECT_THAT(refusal_of_file("kind = 'arm'\ndegrees_of_freedom = 3\n"), HasSubstr("'arm' is missing"));
+  EXPECT_THAT(
+      refusal_of_file("kind = 'arm'\ndegrees_of_freedom = 3\n"),
+      HasSubstr("'arm' is missing (accepted: a table), which a simulated device needs; a file of facts alone is "
+                "a driver's: driver:FILE.so:facts=devices/mine.toml"));
   EXPECT_THAT(refusal_of_file("kind = 'arm'\ndegrees_of_freedom = 3\n[arm]\nupper_length_m = 0\n"),
               HasSubstr("mine.toml:4: device 'mine', arm: upper_length_m must be > 0, got 0"));
 }
@@ -402,6 +405,11 @@ TEST(LoadDevice, UnknownNameIsRefusedWithTheKnownNames) {
   EXPECT_THAT(what, HasSubstr("unknown device 'wall-2dof', did you mean 'wall-1dof'?"));
   EXPECT_THAT(what,
               HasSubstr("cartesian-2dof, cartesian-3dof, falcon, firm-3dof, haply-2diy, omega-3, omni, wall-1dof"));
+}
+
+TEST(LoadDevice, FactsOfASimulatedDeviceAreRefused) {
+  EXPECT_EQ(refusal([] { (void)load_device("omni:facts=mine.toml"); }),
+            "'omni' takes no facts: only a driver does, as in driver:FILE.so:facts=mine.toml");
 }
 
 TEST(LoadDevice, MissingFileIsNamedWithTheReason) {

@@ -63,14 +63,14 @@ TEST(PageFolder, IsBesideTheProgramsFolder) {
 }
 
 TEST(ListenAddress, IsOfThisMachineUnlessAHostIsGiven) {
-  EXPECT_EQ(parse_listen_address("").port, kPort);
-  EXPECT_EQ(parse_listen_address("5000").host, "127.0.0.1");
-  EXPECT_EQ(parse_listen_address("5000").port, 5000);
-  EXPECT_EQ(parse_listen_address("0.0.0.0:0").host, "0.0.0.0");
-  EXPECT_EQ(parse_listen_address("[::1]:5000").host, "[::1]");
+  EXPECT_EQ(parse_listen_address("", 47880).port, 47880);
+  EXPECT_EQ(parse_listen_address("5000", 47880).host, "127.0.0.1");
+  EXPECT_EQ(parse_listen_address("5000", 47880).port, 5000);
+  EXPECT_EQ(parse_listen_address("0.0.0.0:0", 47880).host, "0.0.0.0");
+  EXPECT_EQ(parse_listen_address("[::1]:5000", 47880).host, "[::1]");
   for (const char* const wrong : {":5000", "host", "host:", "70000", "-1", "127.0.0.1:http"}) {
     try {
-      (void)parse_listen_address(wrong);
+      (void)parse_listen_address(wrong, 47880);
       ADD_FAILURE() << wrong;
     } catch (const std::invalid_argument& error) {
       EXPECT_THAT(error.what(), HasSubstr(wrong));

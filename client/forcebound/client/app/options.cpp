@@ -225,7 +225,8 @@ Options parse_options(int argc, const char* const* argv) {
   // Not the nonce of the previous run: a server that still has that session would take this run for it.
   if (seed->count() == 0) options.seed = std::random_device{}();
   if (app.count("--page") > 0) {
-    options.page = program::value_of("--page", [&] { return page::parse_listen_address(typed.page); });
+    options.page =
+        program::value_of("--page", [&] { return page::parse_listen_address(typed.page, page::kClientPort); });
     complete_for_page(options, devices);
   }
   options.device = devices.completed(options.device);

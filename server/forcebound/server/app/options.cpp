@@ -183,7 +183,7 @@ void describe(CLI::App& app, ProgramOptions& options, Typed& typed) {
       ->capture_default_str();
   app.add_option("--page", typed.page,
                  "serve a live page of the sessions, their figures also as /metrics; its address is printed. Of this "
-                 "machine alone unless HOST says otherwise; default port 47880")
+                 "machine alone unless HOST says otherwise; default port 47881")
       ->expected(0, 1)
       ->type_name("[PORT|HOST:PORT]");
   add_key_options(app, options.keys);
@@ -213,7 +213,8 @@ ProgramOptions parse_command_line(int argc, const char* const* argv) {
       {{"--key", options.keys.key}, {"--clients", options.keys.clients}, {"--psk", options.keys.psk}});
   options.listen = program::value_of("--listen", [&] { return net::parse_endpoint(typed.listen); });
   if (app.count("--page") > 0) {
-    options.page = program::value_of("--page", [&] { return page::parse_listen_address(typed.page); });
+    options.page =
+        program::value_of("--page", [&] { return page::parse_listen_address(typed.page, page::kServerPort); });
   }
   options.device.round_trip_s = typed.round_trip_ms * 1e-3;
   options.server.memory = {
