@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "forcebound/device/simulated/make_operator.hpp"
-#include "forcebound/wire/sequence_window.hpp"
+#include "forcebound/time/sequence_window.hpp"
 #include "tests/hard_cases/network_loop.hpp"
 #include "tests/tools/data/recorded_data.hpp"
 
@@ -73,8 +73,8 @@ TEST_F(NetworkHardCase, Case13AWholeEarlierSessionPlayedBackIsForeign) {
 }
 
 TEST(SequenceWindow, Case13WrapsAroundWithoutLosingACopyOrALatecomer) {
-  using Arrival = wire::SequenceWindow::Arrival;
-  wire::SequenceWindow window;
+  using Arrival = time::SequenceWindow::Arrival;
+  time::SequenceWindow window;
   const std::uint64_t start = ~std::uint64_t{0} - 5;
   for (std::uint64_t i = 0; i < 12; i += 2) EXPECT_EQ(window.note(start + i), Arrival::newest) << i;
   for (std::uint64_t i = 1; i < 10; i += 2) EXPECT_EQ(window.note(start + i), Arrival::late) << i;

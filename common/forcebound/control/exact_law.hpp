@@ -17,7 +17,7 @@ namespace forcebound::control {
 /// How energy is spent over time: no matter of the guarantee, but of what is felt.
 ///
 /// Chosen among twelve pairs on the paper's wall, circle and sphere with punctual and late ticks, and compared with no
-/// such rules over devices, hands, stiffnesses, dampings and networks (`forcebound-lab spending`; README.md).
+/// such rules over devices, hands, stiffnesses, dampings and networks (README.md, Spending).
 struct Spending {
   double memory_reserves = 2;  ///< energy is forgotten beyond what the largest force needs this many times
   double rise_per_s = 100;     ///< the share of the request that is shown rises by this much at the most

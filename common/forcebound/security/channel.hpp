@@ -8,8 +8,8 @@
 
 #include "forcebound/security/locked.hpp"
 #include "forcebound/security/noise.hpp"
-#include "forcebound/security/replay_window.hpp"
 #include "forcebound/time/clock.hpp"
+#include "forcebound/time/sequence_window.hpp"
 
 namespace forcebound::security {
 
@@ -130,7 +130,7 @@ class Channel {
     std::uint64_t sealed = 0;
     time::Nanoseconds since{0};
     time::Nanoseconds until{0};
-    ReplayWindow window{};
+    time::SequenceWindow window{};
   };
 
   void expire(std::size_t slot) noexcept;

@@ -17,7 +17,6 @@ int run(int argc, const char* const* argv) {
   forcebound::lab::add_bench(app);
   forcebound::lab::add_check_device(app);
   forcebound::lab::add_compare(app);
-  forcebound::lab::add_coupled_damping(app);
   forcebound::lab::add_doctor(app);
   forcebound::lab::add_fleet(app);
   forcebound::lab::add_identify(app);
@@ -30,7 +29,6 @@ int run(int argc, const char* const* argv) {
   forcebound::lab::add_report(app);
   forcebound::lab::add_reproduce(app);
   forcebound::lab::add_soak(app);
-  forcebound::lab::add_spending(app);
   forcebound::lab::add_table(app);
   forcebound::lab::add_teleoperate(app);
   forcebound::lab::add_trials(app);

@@ -6,7 +6,6 @@
 #include <chrono>
 #include <vector>
 
-#include "forcebound/security/replay_window.hpp"
 #include "tests/support/allocation_guard.hpp"
 #include "tests/unit/security/handshakes.hpp"
 
@@ -214,30 +213,6 @@ TEST_F(Channels, DoNotAllocate) {
   EXPECT_EQ(sealed, record.size());
   EXPECT_EQ(result.result, Opening::opened);
   EXPECT_EQ(again.result, Opening::replayed);
-}
-
-TEST(ReplayWindow, RemembersSixteenSecondsAtOneKilohertz) {
-  ReplayWindow window;
-  window.note(100000);
-  EXPECT_FALSE(window.is_fresh(100000));
-  EXPECT_TRUE(window.is_fresh(100001));
-  EXPECT_TRUE(window.is_fresh(100000 - ReplayWindow::kRecords + 64));
-  EXPECT_FALSE(window.is_fresh(100000 - ReplayWindow::kRecords - 64)) << "too old to tell";
-  EXPECT_FALSE(window.is_fresh(0));
-}
-
-TEST(ReplayWindow, TakesEachCounterOnceInAnyOrder) {
-  ReplayWindow window;
-  // 7919 and 16384 have no common factor: all counters of the window, far from in order.
-  for (std::uint64_t i = 0; i < 16384; ++i) {
-    const std::uint64_t counter = i * 7919 % 16384;
-    ASSERT_TRUE(window.is_fresh(counter));
-    window.note(counter);
-    ASSERT_FALSE(window.is_fresh(counter));
-  }
-  for (std::uint64_t counter = 0; counter < 16384; ++counter) ASSERT_FALSE(window.is_fresh(counter));
-  window.note(16384 + 64);
-  EXPECT_TRUE(window.is_fresh(16384)) << "its place was another's before";
 }
 
 }  // namespace

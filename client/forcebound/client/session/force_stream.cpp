@@ -79,7 +79,7 @@ ForceStream::Verdict ForceStream::accept(const wire::EnvironmentForce& force, Na
     ++ended_.implausible;
     return Verdict::implausible;
   }
-  if (arrivals_.note(force.sequence) == wire::SequenceWindow::Arrival::duplicate) {
+  if (arrivals_.note(force.sequence) == time::SequenceWindow::Arrival::duplicate) {
     ++ended_.duplicated;
     return Verdict::duplicate;
   }

@@ -6,8 +6,8 @@
 
 #include "forcebound/client/session/blackout_watch.hpp"
 #include "forcebound/time/clock.hpp"
+#include "forcebound/time/sequence_window.hpp"
 #include "forcebound/wire/messages.hpp"
-#include "forcebound/wire/sequence_window.hpp"
 
 namespace forcebound::client {
 
@@ -117,7 +117,7 @@ class ForceStream {
   std::optional<wire::EnvironmentForce> newest_;
 
   std::uint64_t session_ = 0;
-  wire::SequenceWindow arrivals_;
+  time::SequenceWindow arrivals_;
   wire::Bye server_;             // the server's counts so far, this session
   std::uint64_t sent_here_ = 0;  // this session
   std::uint64_t received_ = 0;   // this session

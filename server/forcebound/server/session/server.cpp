@@ -213,13 +213,13 @@ Server::Ended* Server::find_ended(std::uint64_t session) noexcept {
   return found == ended_.end() ? nullptr : &*found;
 }
 
-wire::SequenceWindow::Arrival Server::note(Arrivals& arrivals, std::uint64_t sequence, Nanoseconds now) noexcept {
-  using Arrival = wire::SequenceWindow::Arrival;
+time::SequenceWindow::Arrival Server::note(Arrivals& arrivals, std::uint64_t sequence, Nanoseconds now) noexcept {
+  using Arrival = time::SequenceWindow::Arrival;
   const double elapsed_s =
       time::to_seconds(std::max(now - arrivals.newest_arrived, Nanoseconds{0}) + kDelayShrinksMost);
   constexpr double kCountMost = 1e15;  // of a rate without end
   const auto sent_most = static_cast<std::uint64_t>(std::min(elapsed_s * arrivals.motions_per_s_max, kCountMost));
-  const Arrival arrival = arrivals.window.note(sequence, std::max(sent_most, wire::SequenceWindow::kNumbers));
+  const Arrival arrival = arrivals.window.note(sequence, std::max(sent_most, time::SequenceWindow::kNumbers));
   if (arrival == Arrival::too_far_ahead) {
     ++counters_.motions_far_ahead;
     return arrival;
@@ -242,7 +242,7 @@ wire::SequenceWindow::Arrival Server::note(Arrivals& arrivals, std::uint64_t seq
 
 void Server::on_motion(const wire::MotionSample& motion, std::size_t bytes, const net::Address& from,
                        Nanoseconds now) noexcept {
-  using Arrival = wire::SequenceWindow::Arrival;
+  using Arrival = time::SequenceWindow::Arrival;
   const auto found = sessions_.find(motion.session);
   if (found == sessions_.end()) {
     if (Ended* ended = find_ended(motion.session)) {

@@ -25,9 +25,9 @@
 #include "forcebound/server/session/shared_limits.hpp"
 #include "forcebound/server/session/view_sender.hpp"
 #include "forcebound/time/clock.hpp"
+#include "forcebound/time/sequence_window.hpp"
 #include "forcebound/time/token_bucket.hpp"
 #include "forcebound/wire/codec.hpp"
-#include "forcebound/wire/sequence_window.hpp"
 
 namespace forcebound::server {
 
@@ -155,7 +155,7 @@ class Server {
  private:
   /// The motions of a session that arrived, and the counts sent to the client.
   struct Arrivals {
-    wire::SequenceWindow window{};
+    time::SequenceWindow window{};
     wire::Bye counts{};
     double motions_per_s_max = 0;   ///< of the client that keeps its promise, times what the options allow
     Nanoseconds newest_arrived{0};  ///< the newest motion
@@ -265,7 +265,7 @@ class Server {
                                                       bool places_are_few) const noexcept;
   [[nodiscard]] Session* find(const net::Address& address, std::uint64_t nonce) noexcept;
   [[nodiscard]] Ended* find_ended(std::uint64_t session) noexcept;
-  wire::SequenceWindow::Arrival note(Arrivals& arrivals, std::uint64_t sequence, Nanoseconds now) noexcept;
+  time::SequenceWindow::Arrival note(Arrivals& arrivals, std::uint64_t sequence, Nanoseconds now) noexcept;
   void refuse_for_lack_of_memory(const wire::Hello& hello, const net::Address& from) noexcept;
   /// Makes the environment and opens a session in it, or refuses.
   void let_in(const wire::Hello& hello, std::shared_ptr<const EnvironmentKind> kind, const Guest& guest,

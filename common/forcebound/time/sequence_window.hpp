@@ -1,12 +1,13 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 
-namespace forcebound::wire {
+namespace forcebound::time {
 
-/// The sequence numbers that have arrived: tells duplicates from late datagrams.
+/// The numbers of the datagrams or records that have arrived: tells copies from latecomers (RFC 4303, appendix A2).
 ///
 /// Numbers are compared modulo 2^64 (RFC 1982), so that wrapping around needs no special case. Numbers further back
 /// than `kNumbers` (give or take a word of 64) count as duplicates: at 1 kHz that is 16 s, more than the longest round
@@ -30,7 +31,11 @@ class SequenceWindow {
   static constexpr std::uint64_t kAnyAhead = std::numeric_limits<std::int64_t>::max();
 
   /// @param ahead_most further ahead of the newest is too far; of the first number that ever comes, nothing is
-  [[nodiscard]] Arrival note(std::uint64_t sequence, std::uint64_t ahead_most = kAnyAhead) noexcept;
+  Arrival note(std::uint64_t sequence, std::uint64_t ahead_most = kAnyAhead) noexcept;
+
+  /// Whether `note` would find it to be the newest or late. Changes nothing: a number that must be authentic first is
+  /// asked about before that is checked, and noted after, so that a forged one far ahead moves nothing.
+  [[nodiscard]] bool is_fresh(std::uint64_t sequence) const noexcept;
 
   /// The newest number noted.
   [[nodiscard]] std::uint64_t newest() const noexcept { return newest_; }
@@ -39,7 +44,13 @@ class SequenceWindow {
   static constexpr std::uint64_t kWordBits = 64;
   static constexpr std::uint64_t kWords = kNumbers / kWordBits;
 
-  [[nodiscard]] std::uint64_t& word(std::uint64_t sequence) noexcept { return arrived_[sequence / kWordBits % kWords]; }
+  [[nodiscard]] static constexpr std::size_t index_of(std::uint64_t sequence) noexcept {
+    return sequence / kWordBits % kWords;
+  }
+  /// On the circle of numbers; negative: behind.
+  [[nodiscard]] std::int64_t ahead_of_newest(std::uint64_t sequence) const noexcept {
+    return static_cast<std::int64_t>(sequence - newest_);
+  }
   void advance_to(std::uint64_t sequence) noexcept;
 
   std::array<std::uint64_t, kWords> arrived_{};
@@ -47,4 +58,4 @@ class SequenceWindow {
   bool any_ = false;
 };
 
-}  // namespace forcebound::wire
+}  // namespace forcebound::time

@@ -1,11 +1,11 @@
-#include "forcebound/wire/sequence_window.hpp"
+#include "forcebound/time/sequence_window.hpp"
 
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
 #include <set>
 
-namespace forcebound::wire {
+namespace forcebound::time {
 namespace {
 
 using Arrival = SequenceWindow::Arrival;
@@ -34,8 +34,34 @@ TEST(SequenceWindow, LatecomersAreToldFromCopies) {
 TEST(SequenceWindow, RemembersSixteenSecondsAtOneKilohertz) {
   SequenceWindow window;
   EXPECT_EQ(window.note(100000), Arrival::newest);
+  EXPECT_TRUE(window.is_fresh(100000 - SequenceWindow::kNumbers + 64));
   EXPECT_EQ(window.note(100000 - SequenceWindow::kNumbers + 64), Arrival::late);
+  EXPECT_FALSE(window.is_fresh(100000 - SequenceWindow::kNumbers - 64)) << "too old to tell";
   EXPECT_EQ(window.note(100000 - SequenceWindow::kNumbers - 64), Arrival::duplicate) << "too old to tell";
+  EXPECT_FALSE(window.is_fresh(0));
+}
+
+TEST(SequenceWindow, TakesEachNumberOnceInAnyOrder) {
+  SequenceWindow window;
+  // 7919 and 16384 have no common factor: all numbers of the window, far from in order.
+  for (std::uint64_t i = 0; i < SequenceWindow::kNumbers; ++i) {
+    const std::uint64_t number = i * 7919 % SequenceWindow::kNumbers;
+    ASSERT_TRUE(window.is_fresh(number));
+    ASSERT_NE(window.note(number), Arrival::duplicate);
+    ASSERT_FALSE(window.is_fresh(number));
+  }
+  for (std::uint64_t number = 0; number < SequenceWindow::kNumbers; ++number) ASSERT_FALSE(window.is_fresh(number));
+  window.note(SequenceWindow::kNumbers + 64);
+  EXPECT_TRUE(window.is_fresh(SequenceWindow::kNumbers)) << "its place was another's before";
+}
+
+TEST(SequenceWindow, AskingChangesNothing) {
+  SequenceWindow window;
+  EXPECT_TRUE(window.is_fresh(7));
+  EXPECT_EQ(window.note(5), Arrival::newest);
+  EXPECT_TRUE(window.is_fresh(std::uint64_t{1} << 62));
+  EXPECT_EQ(window.newest(), 5U);
+  EXPECT_EQ(window.note(6), Arrival::newest);
 }
 
 TEST(SequenceWindow, AJumpForgetsEverythingBefore) {
@@ -78,7 +104,9 @@ TEST(SequenceWindow, AgreesWithASetOfAllNumbersSeen) {
     std::int64_t newest = 0;
     for (const int step : *rc::gen::container<std::vector<int>>(200, rc::gen::inRange(-3000, 3000))) {
       const std::int64_t offset = seen.empty() ? step : newest + step;
-      const Arrival arrival = window.note(origin + static_cast<std::uint64_t>(offset));
+      const std::uint64_t number = origin + static_cast<std::uint64_t>(offset);
+      RC_ASSERT(window.is_fresh(number) == !seen.contains(offset));
+      const Arrival arrival = window.note(number);
       if (seen.contains(offset)) {
         RC_ASSERT(arrival == Arrival::duplicate);
       } else if (seen.empty() || offset > newest) {
@@ -93,4 +121,4 @@ TEST(SequenceWindow, AgreesWithASetOfAllNumbersSeen) {
 }
 
 }  // namespace
-}  // namespace forcebound::wire
+}  // namespace forcebound::time
