@@ -4,6 +4,7 @@
 
 #include "forcebound/control/handle.hpp"
 #include "forcebound/control/vector.hpp"
+#include "forcebound/record/session_state.hpp"
 #include "forcebound/time/clock.hpp"
 #include "forcebound/wire/messages.hpp"
 
@@ -11,11 +12,6 @@
 namespace forcebound::record {
 
 using time::Nanoseconds;
-
-enum class SessionState : std::uint8_t { connecting, active, stale, reconnecting };
-
-/// What the late-force policy did with the newest force.
-enum class ForcePolicy : std::uint8_t { none, fresh, fading, dropped };
 
 /// Where the force asked for came from.
 enum class ForceOrigin : std::uint8_t {

@@ -7,12 +7,13 @@
 #include <random>
 #include <string>
 
-#include "forcebound/client/session/session_state.hpp"
+#include "forcebound/record/session_state.hpp"
 #include "forcebound/wire/codec.hpp"
 #include "forcebound/wire/messages.hpp"
 
 namespace forcebound::client {
 
+using record::SessionState;
 using time::Nanoseconds;
 
 /// State of the session with the server, and the times at which Hellos are sent.

@@ -1,15 +1,12 @@
 #pragma once
 
-#include <cstdint>
-
+#include "forcebound/record/session_state.hpp"
 #include "forcebound/time/clock.hpp"
 
 namespace forcebound::client {
 
+using record::ForcePolicy;
 using time::Nanoseconds;
-
-/// Verdict of the policy on the newest force; none: there is no force yet.
-enum class ForcePolicy : std::uint8_t { none, fresh, fading, dropped };
 
 /// Scales a force by the age of the motion that it answers: factor 1 up to `hold`, then falling linearly to 0 at
 /// `drop`.

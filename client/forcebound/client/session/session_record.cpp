@@ -20,34 +20,6 @@ record::ForceOrigin recorded(bool at_client, bool held) noexcept {
   return held ? record::ForceOrigin::both : record::ForceOrigin::at_client;
 }
 
-record::SessionState recorded(SessionState state) noexcept {
-  switch (state) {
-    case SessionState::connecting:
-      return record::SessionState::connecting;
-    case SessionState::active:
-      return record::SessionState::active;
-    case SessionState::stale:
-      return record::SessionState::stale;
-    case SessionState::reconnecting:
-      break;
-  }
-  return record::SessionState::reconnecting;
-}
-
-record::ForcePolicy recorded(ForcePolicy policy) noexcept {
-  switch (policy) {
-    case ForcePolicy::none:
-      return record::ForcePolicy::none;
-    case ForcePolicy::fresh:
-      return record::ForcePolicy::fresh;
-    case ForcePolicy::fading:
-      return record::ForcePolicy::fading;
-    case ForcePolicy::dropped:
-      break;
-  }
-  return record::ForcePolicy::dropped;
-}
-
 }  // namespace
 
 void Session::write_down(const Done& done) const noexcept {
@@ -56,8 +28,8 @@ void Session::write_down(const Done& done) const noexcept {
       .time = done.reading.latched,
       .interval = done.interval,
       .latency = done.latency,
-      .state = recorded(state()),
-      .policy = recorded(policy_),
+      .state = state(),
+      .policy = policy_,
       .motion_sequence = done.motion_sequence,
       .force_sequence = done.force_sequence,
       .force_age = done.force_age,

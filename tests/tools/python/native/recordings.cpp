@@ -96,7 +96,7 @@ py::dict read(const std::string& file) {
 
 void bind_recordings(py::module_& module) {
   module.def("read_recording", &read, py::arg("file"));
-  // As the enumerations of tick_record.hpp.
+  // As the enumerations of session_state.hpp and tick_record.hpp.
   module.attr("session_states") = py::make_tuple("connecting", "active", "stale", "reconnecting");
   module.attr("force_policies") = py::make_tuple("none", "fresh", "fading", "dropped");
   module.attr("force_origins") = py::make_tuple("held", "at_client", "both");

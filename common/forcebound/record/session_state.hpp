@@ -2,10 +2,13 @@
 
 #include <cstdint>
 
-namespace forcebound::client {
+namespace forcebound::record {
 
-/// State of the connection; Connection defines each state.
+/// State of a client's connection; client::Connection defines each state.
 enum class SessionState : std::uint8_t { connecting, active, stale, reconnecting };
+
+/// What the late-force policy, client::LateForcePolicy, did with the newest force; none: there is no force yet.
+enum class ForcePolicy : std::uint8_t { none, fresh, fading, dropped };
 
 /// The state's name for reports.
 [[nodiscard]] constexpr const char* name_of(SessionState state) noexcept {
@@ -22,4 +25,4 @@ enum class SessionState : std::uint8_t { connecting, active, stale, reconnecting
   return "unknown";
 }
 
-}  // namespace forcebound::client
+}  // namespace forcebound::record
