@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "forcebound/scene/geometry/distance_field.hpp"
-#include "forcebound/scene/geometry/mesh_file.hpp"
+#include "forcebound/server/environment/mesh_file.hpp"
 #include "tests/support/embree_scene.hpp"
 #include "tests/support/fcl_scene.hpp"
 #include "tests/support/follower.hpp"
@@ -112,7 +112,7 @@ std::vector<Point> eights_m(double half_m, const Point& middle_m, double up_m) {
 Course spot() {
   const auto path = recorded_data("meshes/spot.obj");
   if (!path) return {};
-  const auto mesh = shared(scene::load_mesh(path->string(), {.scale = kRadius_m}));
+  const auto mesh = shared(server::load_mesh(path->string(), {.scale = kRadius_m}));
   return {mesh, {1, 0, 0}, round_m(*mesh, 0.55)};
 }
 

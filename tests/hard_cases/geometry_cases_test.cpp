@@ -8,8 +8,8 @@
 #include <random>
 
 #include "forcebound/scene/geometry/distance_field.hpp"
-#include "forcebound/scene/geometry/mesh_file.hpp"
 #include "forcebound/scene/geometry/mesh_shape.hpp"
+#include "forcebound/server/environment/mesh_file.hpp"
 #include "tests/support/follower.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/shape_client.hpp"
@@ -319,7 +319,7 @@ TEST(HardCase30, MalformedMeshFilesAreRefusedWithFileAndLine) {
     const std::string path = folder.file(file);
     test::write_file(path, content);
     try {
-      (void)scene::load_mesh(path);
+      (void)server::load_mesh(path);
       ADD_FAILURE() << file << " was accepted";
     } catch (const scene::GeometryError& error) {
       EXPECT_THAT(error.what(), StartsWith(path + complaint));
@@ -337,7 +337,7 @@ TEST(HardCase30, EveryTruncationOfAMeshFileIsReadOrRefused) {
     for (std::size_t length = 0; length < content.size(); ++length) {
       test::write_file(folder.file(name), content.substr(0, length));
       try {
-        EXPECT_GT(scene::load_mesh(folder.file(name)).report().triangles, 0U);
+        EXPECT_GT(server::load_mesh(folder.file(name)).report().triangles, 0U);
       } catch (const scene::GeometryError& error) {
         EXPECT_THAT(error.what(), StartsWith(folder.file(name)));
         ++refused;
@@ -350,7 +350,7 @@ TEST(HardCase30, EveryTruncationOfAMeshFileIsReadOrRefused) {
 TEST(HardCase30, DuplicateVerticesOfAnStlAreWelded) {
   const auto path = recorded_data("meshes/malformed/duplicate_vertices.stl");
   if (!path) GTEST_SKIP() << "no meshes/malformed/duplicate_vertices.stl in FORCEBOUND_DATA";
-  const scene::TriangleMesh mesh = scene::load_mesh(path->string());
+  const scene::TriangleMesh mesh = server::load_mesh(path->string());
   EXPECT_GT(mesh.report().welded_vertices, 0U) << scene::to_text(mesh.report());
   EXPECT_EQ(mesh.report().vertices + mesh.report().welded_vertices + mesh.report().unreferenced_vertices,
             3 * (mesh.report().triangles + mesh.report().slivers + mesh.report().duplicate_triangles));

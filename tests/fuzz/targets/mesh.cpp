@@ -1,6 +1,6 @@
 #include <array>
 
-#include "forcebound/scene/geometry/mesh_file.hpp"
+#include "forcebound/server/environment/mesh_file.hpp"
 #include "tests/fuzz/input.hpp"
 
 namespace forcebound::fuzz {
@@ -10,7 +10,7 @@ void fuzz_mesh(Bytes bytes) {
   Script script(bytes);
   InputFile& file = files[script.byte() % files.size()];
   file.replace(script.take(bytes.size()));
-  may_refuse([&] { (void)scene::load_mesh(file.path()); });
+  may_refuse([&] { (void)server::load_mesh(file.path()); });
 }
 
 }  // namespace forcebound::fuzz

@@ -8,7 +8,7 @@
 
 #include "forcebound/scene/geometry/bvh.hpp"
 #include "forcebound/scene/geometry/last_normal.hpp"
-#include "forcebound/scene/geometry/mesh_file.hpp"
+#include "forcebound/scene/geometry/mesh_shape.hpp"
 #include "forcebound/scene/geometry/pseudonormals.hpp"
 #include "forcebound/text/numbers.hpp"
 
@@ -160,7 +160,7 @@ ShapeKind distance_field_shape() {
           .source = "file",
           .make = [](const config::Values& values, const ShapePurpose& purpose) {
             return make_distance_field(
-                mesh_of(values, purpose),
+                given_mesh(purpose),
                 {.spacing_m = values.number("spacing_m"), .reach_m = purpose.reach_m, .tree = purpose.geometry.tree});
           }};
 }

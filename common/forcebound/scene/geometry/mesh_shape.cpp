@@ -4,10 +4,10 @@
 #include <limits>
 #include <new>
 #include <optional>
+#include <stdexcept>
 #include <utility>
 
 #include "forcebound/scene/geometry/god_object.hpp"
-#include "forcebound/scene/geometry/mesh_file.hpp"
 #include "forcebound/scene/geometry/pseudonormals.hpp"
 #include "forcebound/text/numbers.hpp"
 
@@ -95,6 +95,25 @@ std::unique_ptr<Shape> make_mesh(std::shared_ptr<const TriangleMesh> mesh, const
   return std::make_unique<MeshShape>(std::move(mesh), options);
 }
 
+std::vector<config::Parameter> mesh_parameters(const std::vector<config::Parameter>& own) {
+  std::vector<config::Parameter> all{
+      config::TextParameter{.key = "file", .meaning = "OBJ, STL or OFF", .form = config::TextParameter::Form::file}};
+  for (const config::Parameter& parameter : placement_parameters()) all.push_back(parameter);
+  all.emplace_back(config::NumberParameter{.key = "detail",
+                                           .meaning = "share of the triangles to keep; below 1 of closed meshes only",
+                                           .preset = 1,
+                                           .least = 0,
+                                           .least_excluded = true,
+                                           .most = 1});
+  all.insert(all.end(), own.begin(), own.end());
+  return all;
+}
+
+const std::shared_ptr<const TriangleMesh>& given_mesh(const ShapePurpose& purpose) {
+  if (!purpose.geometry.mesh) throw std::invalid_argument("a shape of a mesh file needs the file's triangles");
+  return purpose.geometry.mesh;
+}
+
 ShapeKind mesh_shape() {
   return {.name = "mesh",
           .description = "Triangles from a file, felt through a god object; 3 axes.",
@@ -105,7 +124,7 @@ ShapeKind mesh_shape() {
           .source = "file",
           .make = [](const config::Values& values, const ShapePurpose& purpose) {
             return make_mesh(
-                mesh_of(values, purpose),
+                given_mesh(purpose),
                 {.two_sided = values.flag("two_sided"), .reach_m = purpose.reach_m, .tree = purpose.geometry.tree});
           }};
 }

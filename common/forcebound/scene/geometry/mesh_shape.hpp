@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "forcebound/scene/geometry/shape.hpp"
 #include "forcebound/scene/geometry/triangle_mesh.hpp"
@@ -28,5 +29,12 @@ std::unique_ptr<Shape> make_mesh(std::shared_ptr<const TriangleMesh> mesh, const
 
 /// A mesh from a file, rendered with a god object.
 ShapeKind mesh_shape();
+
+/// Keys of a shape that is made of a file's triangles: `file`, where they lie, how much `detail` is kept, and its
+/// `own`. Who reads the file gives them as ShapePurpose::geometry.
+[[nodiscard]] std::vector<config::Parameter> mesh_parameters(const std::vector<config::Parameter>& own);
+
+/// The triangles given to such a shape. @throws std::invalid_argument if there are none
+[[nodiscard]] const std::shared_ptr<const TriangleMesh>& given_mesh(const ShapePurpose& purpose);
 
 }  // namespace forcebound::scene

@@ -36,7 +36,7 @@ struct ShapeFacts {
   std::string text{};                  ///< one line for `--explain`; empty: its values are enough
 };
 
-/// What a kind of shape is made of beside its values.
+/// What a kind of shape is made of beside its values. Triangles are those of the file that its values name.
 enum class GeometryKind : std::uint8_t { none, triangles, heights };
 
 /// The triangles or heights of a shape. With its values they make the same shape again where its files are not.
@@ -84,7 +84,7 @@ class Shape {
 struct ShapePurpose {
   double reach_m = 0;    ///< distances up to this far outside are needed; 0: contact only
   std::string folder{};  ///< paths among its values are relative to it
-  /// If given, of the kind's `geometry`, it is used and no file is read.
+  /// Of the kind's `geometry`. Triangles must be given; heights replace those of the values.
   ShapeGeometry geometry{};
 };
 

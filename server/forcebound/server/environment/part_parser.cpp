@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <variant>
 
+#include "forcebound/server/environment/mesh_file.hpp"
 #include "forcebound/text/names.hpp"
 
 namespace forcebound::server {
@@ -40,8 +41,9 @@ void parse_shape(config::CheckedTable& part, const scene::Registry& registry, sc
     (void)shape.path_at(text->key, given.text(text->key));
   }
   const config::Node* const source = shape.node().find(kind.source);
-  shape.built_at(source != nullptr ? *source : shape.node(),
-                 [&] { scene::set_shape(made, kind, given, axes, part.folder()); });
+  shape.built_at(source != nullptr ? *source : shape.node(), [&] {
+    scene::set_shape(made, kind, given, axes, part.folder(), triangles_of(kind, given, part.folder()));
+  });
 }
 
 void refuse_unrequested_tables(const config::CheckedTable& part, const scene::SceneObject& made,

@@ -5,7 +5,7 @@
 #include <random>
 #include <set>
 
-#include "forcebound/scene/geometry/mesh_file.hpp"
+#include "forcebound/server/environment/mesh_file.hpp"
 #include "tests/support/allocation_guard.hpp"
 #include "tests/support/embree_scene.hpp"
 #include "tests/support/meshes.hpp"
@@ -74,7 +74,7 @@ void expect_what_embree_finds(const std::shared_ptr<const TriangleMesh>& mesh, i
 TEST(Bvh, FindsWhatEmbreeFindsOnARealMesh) {
   const auto path = recorded_data("meshes/spot.obj");
   if (!path) GTEST_SKIP() << "no meshes/spot.obj in FORCEBOUND_DATA";
-  expect_what_embree_finds(std::make_shared<const TriangleMesh>(load_mesh(path->string())), 20000);
+  expect_what_embree_finds(std::make_shared<const TriangleMesh>(server::load_mesh(path->string())), 20000);
 }
 
 TEST(Bvh, FindsWhatEmbreeFindsOnMadeMeshes) {

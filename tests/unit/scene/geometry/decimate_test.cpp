@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "forcebound/scene/geometry/mesh_file.hpp"
+#include "forcebound/server/environment/mesh_file.hpp"
 #include "tests/support/meshes.hpp"
 #include "tests/tools/data/recorded_data.hpp"
 
@@ -185,7 +185,7 @@ TEST(Decimated, AnyDentedBallStaysClosedAtAnyShare) {
 TEST(Decimated, RealMeshStaysClosed) {
   const auto file = recorded_data("meshes/spot.obj");
   if (!file) GTEST_SKIP() << "no recorded data";
-  const TriangleMesh fine = load_mesh(*file);
+  const TriangleMesh fine = server::load_mesh(*file);
   for (const double share : {0.3, 0.03}) {
     const TriangleMesh coarse = decimated(fine, share);
     expect_intact(coarse, fine);

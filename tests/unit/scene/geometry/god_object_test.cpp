@@ -8,7 +8,7 @@
 #include <random>
 #include <type_traits>
 
-#include "forcebound/scene/geometry/mesh_file.hpp"
+#include "forcebound/server/environment/mesh_file.hpp"
 #include "tests/support/allocation_guard.hpp"
 #include "tests/support/follower.hpp"
 #include "tests/support/special_numbers.hpp"
@@ -377,7 +377,7 @@ TEST(GodObject, IgnoresGoalsThatAreNotFinite) {
 TEST(GodObject, NeverGetsInsideAClosedMesh) {
   const auto path = recorded_data("meshes/spot.obj");
   if (!path) GTEST_SKIP() << "no meshes/spot.obj in FORCEBOUND_DATA";
-  Follower follower(load_mesh(path->string()));
+  Follower follower(server::load_mesh(path->string()));
   const TriangleMesh& mesh = follower.object().bvh().mesh();
   std::mt19937 random(5);
   std::uniform_real_distribution<double> unit(-1, 1);

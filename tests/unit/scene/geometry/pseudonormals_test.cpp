@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "forcebound/scene/geometry/mesh_file.hpp"
+#include "forcebound/server/environment/mesh_file.hpp"
 #include "tests/support/meshes.hpp"
 #include "tests/support/winding.hpp"
 #include "tests/tools/data/recorded_data.hpp"
@@ -45,7 +45,7 @@ TEST(Pseudonormals, TellInsideFromOutside) {
 TEST(Pseudonormals, TellInsideFromOutsideOfARealMesh) {
   const auto path = recorded_data("meshes/spot.obj");
   if (!path) GTEST_SKIP() << "no meshes/spot.obj in FORCEBOUND_DATA";
-  expect_the_side_that_the_solid_angle_says(load_mesh(path->string()), 2000);
+  expect_the_side_that_the_solid_angle_says(server::load_mesh(path->string()), 2000);
 }
 
 TEST(Pseudonormals, RefuseAMeshWithoutAnInside) {

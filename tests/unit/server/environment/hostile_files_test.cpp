@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <string>
 
-#include "forcebound/scene/geometry/mesh_file.hpp"
 #include "forcebound/server/environment/body_models.hpp"
+#include "forcebound/server/environment/mesh_file.hpp"
 #include "forcebound/server/environment/scene_library.hpp"
 #include "tests/support/process.hpp"
 #include "tests/tools/data/recorded_data.hpp"
@@ -36,7 +36,7 @@ class HostileFile : public testing::Test {
 TEST_F(HostileFile, AMeshNamesAMaterialFileThatIsNotOpened) {
   const std::string file = copy_of("obj-mtllib-map_Kd.obj");
   if (file.empty()) GTEST_SKIP() << "no recorded data: set FORCEBOUND_DATA";
-  EXPECT_EQ(scene::load_mesh(file).triangles().size(), 1U);
+  EXPECT_EQ(load_mesh(file).triangles().size(), 1U);
 }
 
 TEST_F(HostileFile, AModelHasFacesOfVerticesThatItLacks) {

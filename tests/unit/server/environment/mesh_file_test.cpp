@@ -1,4 +1,4 @@
-#include "forcebound/scene/geometry/mesh_file.hpp"
+#include "forcebound/server/environment/mesh_file.hpp"
 
 #include <gmock/gmock.h>
 
@@ -14,7 +14,7 @@
 #include "tests/support/process.hpp"
 #include "tests/tools/data/recorded_data.hpp"
 
-namespace forcebound::scene {
+namespace forcebound::server {
 namespace {
 
 using testing::HasSubstr;
@@ -36,7 +36,7 @@ class MeshFile : public testing::Test {
     try {
       (void)load_mesh(path);
       ADD_FAILURE() << name << " was accepted, not refused with " << where_and_what << "\n" << content;
-    } catch (const GeometryError& error) {
+    } catch (const scene::GeometryError& error) {
       EXPECT_THAT(error.what(), StartsWith(path + where_and_what)) << content;
       EXPECT_THAT(error.what(), testing::Not(HasSubstr("\n")));
     }
@@ -73,10 +73,10 @@ std::string binary_stl(float last = 0) {
   return content.append(2, '\0');
 }
 
-void expect_tetrahedron(const TriangleMesh& mesh) {
+void expect_tetrahedron(const scene::TriangleMesh& mesh) {
   EXPECT_THAT(to_text(mesh.report()), StartsWith("4 triangles, 4 vertices, closed"));
   EXPECT_NEAR(mesh.report().volume_m3, 1.0 / 6, 1e-15);
-  EXPECT_EQ(mesh.origin_m(), Point(0.5, 0.5, 0.5));
+  EXPECT_EQ(mesh.origin_m(), scene::Point(0.5, 0.5, 0.5));
 }
 
 TEST_F(MeshFile, ReadsObjOffAndBothKindsOfStl) {
@@ -126,7 +126,7 @@ TEST_F(MeshFile, ReadsTheStlFilesThatOthersReported) {
 
 TEST_F(MeshFile, PlacesTheMeshByScaleAndOffset) {
   const auto mesh = load_mesh(write("t.obj", kTetrahedronObj), {.scale = 1e-3, .offset_m = {1, 2, 3}});
-  EXPECT_EQ(mesh.origin_m(), Point(1 + 0.5e-3, 2 + 0.5e-3, 3 + 0.5e-3));
+  EXPECT_EQ(mesh.origin_m(), scene::Point(1 + 0.5e-3, 2 + 0.5e-3, 3 + 0.5e-3));
   EXPECT_NEAR(mesh.size_m(), 1e-3 * std::sqrt(0.75), 1e-18);
 }
 
@@ -134,7 +134,7 @@ TEST_F(MeshFile, CutsPolygonsIntoTriangles) {
   const auto mesh = load_mesh(write("q.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 \\\n 3 4\n"));
   EXPECT_EQ(mesh.report().triangles, 2U);
   EXPECT_EQ(mesh.report().vertices, 4U);
-  EXPECT_EQ(mesh.normals()[0], Point(0, 0, 1));
+  EXPECT_EQ(mesh.normals()[0], scene::Point(0, 0, 1));
 }
 
 TEST_F(MeshFile, RefusesAnObjWithFileAndLine) {
@@ -183,9 +183,9 @@ TEST_F(MeshFile, RefusesAnStlWithFileAndWhere) {
 
 TEST_F(MeshFile, RefusesWhatItCannotOpenOrDoesNotKnow) {
   EXPECT_THAT([&] { (void)load_mesh(path_of("none.obj")); },
-              ThrowsMessage<GeometryError>(HasSubstr("none.obj: cannot be read")));
+              ThrowsMessage<scene::GeometryError>(HasSubstr("none.obj: cannot be read")));
   EXPECT_THAT([&] { (void)load_mesh(write("a.ply", "")); },
-              ThrowsMessage<GeometryError>(path_of("a.ply") + ": a mesh is an .obj, .off or .stl file"));
+              ThrowsMessage<scene::GeometryError>(path_of("a.ply") + ": a mesh is an .obj, .off or .stl file"));
 }
 
 TEST_F(MeshFile, OpensNoMaterialFile) {
@@ -211,4 +211,4 @@ TEST_F(MeshFile, ReadsARealMesh) {
 }
 
 }  // namespace
-}  // namespace forcebound::scene
+}  // namespace forcebound::server

@@ -1,4 +1,4 @@
-#include "forcebound/scene/geometry/mesh_check.hpp"
+#include "forcebound/server/environment/mesh_check.hpp"
 
 #include <algorithm>
 #include <array>
@@ -17,7 +17,7 @@
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/text/printable.hpp"
 
-namespace forcebound::scene {
+namespace forcebound::server {
 namespace {
 
 using Words = std::vector<std::string_view>;
@@ -231,4 +231,4 @@ std::string plain_stl(const std::string& content) {
   }
 }
 
-}  // namespace forcebound::scene
+}  // namespace forcebound::server

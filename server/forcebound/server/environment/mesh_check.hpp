@@ -2,7 +2,7 @@
 
 #include <string>
 
-namespace forcebound::scene {
+namespace forcebound::server {
 
 /// Finds mistakes in a mesh file that the importer passes over silently or reports without the line: coordinates that
 /// are not finite in single precision, indices out of range, faces without three corners, files that end too early.
@@ -17,4 +17,4 @@ void check_stl(const std::string& path, const std::string& content);
 /// with `endsolid` in one word and no names; a binary one without what follows its last triangle.
 [[nodiscard]] std::string plain_stl(const std::string& content);
 
-}  // namespace forcebound::scene
+}  // namespace forcebound::server

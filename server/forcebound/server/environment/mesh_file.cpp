@@ -1,4 +1,4 @@
-#include "forcebound/scene/geometry/mesh_file.hpp"
+#include "forcebound/server/environment/mesh_file.hpp"
 
 #include <assimp/MemoryIOWrapper.h>
 #include <assimp/postprocess.h>
@@ -11,6 +11,7 @@
 #include <cctype>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <span>
 #include <stdexcept>
 #include <string_view>
@@ -18,12 +19,14 @@
 #include <vector>
 
 #include "forcebound/scene/geometry/decimate.hpp"
-#include "forcebound/scene/geometry/mesh_check.hpp"
+#include "forcebound/server/environment/mesh_check.hpp"
 #include "forcebound/text/file.hpp"
 #include "forcebound/text/printable.hpp"
 
-namespace forcebound::scene {
+namespace forcebound::server {
 namespace {
+
+using scene::GeometryError;
 
 struct Format {
   std::string_view ending;
@@ -44,8 +47,8 @@ const Format& format_of(const std::string& path) {
 }
 
 struct Soup {
-  std::vector<Point> vertices;
-  std::vector<Triangle> triangles;
+  std::vector<scene::Point> vertices;
+  std::vector<scene::Triangle> triangles;
 };
 
 void add(const aiMesh& mesh, Soup& soup) {
@@ -84,18 +87,18 @@ Soup import(const std::string& path, const std::string& content, const Format& f
   const std::string hint(format.ending.substr(1));
   const std::string name = "mesh" + std::string(format.ending);
   importer.SetIOHandler(new OneFile(name, content));  // NOLINT(cppcoreguidelines-owning-memory): the importer owns it
-  const aiScene* scene = importer.ReadFile(name, aiProcess_Triangulate);
-  if (scene == nullptr) {
+  const aiScene* const read = importer.ReadFile(name, aiProcess_Triangulate);
+  if (read == nullptr) {
     throw GeometryError(path + ": cannot be read as " + hint + ": " + text::printable(importer.GetErrorString()));
   }
   Soup soup;
-  for (const aiMesh* mesh : std::span(scene->mMeshes, scene->mNumMeshes)) add(*mesh, soup);
+  for (const aiMesh* mesh : std::span(read->mMeshes, read->mNumMeshes)) add(*mesh, soup);
   return soup;
 }
 
 }  // namespace
 
-TriangleMesh load_mesh(const std::string& path, const MeshPlacement& placement) {
+scene::TriangleMesh load_mesh(const std::string& path, const scene::MeshPlacement& placement) {
   const Format& format = format_of(path);
   std::string content;
   try {
@@ -111,25 +114,13 @@ TriangleMesh load_mesh(const std::string& path, const MeshPlacement& placement) 
   return {path, soup.vertices, soup.triangles, placement};
 }
 
-std::vector<config::Parameter> mesh_parameters(const std::vector<config::Parameter>& own) {
-  std::vector<config::Parameter> all{
-      config::TextParameter{.key = "file", .meaning = "OBJ, STL or OFF", .form = config::TextParameter::Form::file}};
-  for (const config::Parameter& parameter : placement_parameters()) all.push_back(parameter);
-  all.emplace_back(config::NumberParameter{.key = "detail",
-                                           .meaning = "share of the triangles to keep; below 1 of closed meshes only",
-                                           .preset = 1,
-                                           .least = 0,
-                                           .least_excluded = true,
-                                           .most = 1});
-  all.insert(all.end(), own.begin(), own.end());
-  return all;
+scene::ShapeGeometry triangles_of(const scene::ShapeKind& kind, const config::Values& given,
+                                  const std::string& folder) {
+  if (kind.geometry != scene::GeometryKind::triangles || !given.has("file")) return {};
+  const config::Values values = config::completed(kind.parameters, given);
+  const std::string path = (std::filesystem::path(folder) / values.text("file")).string();
+  return {.mesh = std::make_shared<const scene::TriangleMesh>(
+              decimated(load_mesh(path, scene::placement_of(values)), values.number("detail")))};
 }
 
-std::shared_ptr<const TriangleMesh> mesh_of(const config::Values& values, const ShapePurpose& purpose) {
-  if (purpose.geometry.mesh) return purpose.geometry.mesh;
-  const std::string path = (std::filesystem::path(purpose.folder) / values.text("file")).string();
-  return std::make_shared<const TriangleMesh>(
-      decimated(load_mesh(path, placement_of(values)), values.number("detail")));
-}
-
-}  // namespace forcebound::scene
+}  // namespace forcebound::server
