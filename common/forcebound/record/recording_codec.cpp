@@ -159,7 +159,7 @@ void decode(std::string_view bytes, TickRecord& tick) {
   tick.applied_torque_N_m = vector_from(in.applied_torque_n_m(), "applied_torque_N_m");
   tick.penetration_m = in.penetration_m();
   tick.displayed_N = in.displayed_n();
-  tick.contact = in.has_contact() ? in.contact() : in.penetration_m() > 0;
+  tick.contact = in.contact();
   tick.energy_J = in.energy_j();
   tick.xi = in.xi();
   tick.audit_J = in.audit_j();

@@ -13,6 +13,11 @@ namespace {
 
 constexpr std::string_view kOwnSchemas = "forcebound.";
 
+/// Settings of every run have both from version 2 of the protocol on; one alone is missing where a byte is damaged.
+bool are_of_version_1(const KeyValues& settings) {
+  return !settings.contains("device_simulated") && !settings.contains("guarantee");
+}
+
 struct Dispatcher {
   RecordingSink& sink;
   Nanoseconds epoch{0};
@@ -78,6 +83,10 @@ mcap::Ending read_recording(const std::filesystem::path& file, RecordingSink& si
   mcap::Visitor visitor;
   visitor.damage = [&](const std::string&) { dispatcher.damaged = true; };
   visitor.metadata = [&](const std::string& name, const KeyValues& values) {
+    if (name == kInfoMetadata && are_of_version_1(values)) {
+      throw std::runtime_error(file.string() + ": a recording of protocol version 1, expected version " +
+                               std::to_string(wire::kProtocolVersion));
+    }
     try {
       dispatcher.metadata(name, values);
     } catch (const std::invalid_argument& error) {

@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <stdexcept>
 #include <string_view>
-#include <utility>
 
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/wire/messages.hpp"
@@ -142,30 +141,6 @@ struct InfoReader {
 
 constexpr std::string_view kNotePrefix = "note_";
 
-/// Names of fields in earlier recordings, and what they are called now.
-constexpr std::array<std::pair<const char*, const char*>, 10> kRenamed{
-    {{"nobody_listening", "port_unreachable"},
-     {"overtaken", "unanswered"},
-     {"longest_silence_ns", "longest_blackout_ns"},
-     {"longest_silence_over", "longest_blackout_over"},
-     {"longest_silence_counted", "longest_blackout_counted"},
-     {"longest_silence_server_left", "longest_blackout_server_left"},
-     {"longest_silence_motions", "longest_blackout_motions"},
-     {"longest_silence_lost_up", "longest_blackout_lost_up"},
-     {"longest_silence_answers", "longest_blackout_answers"},
-     {"longest_silence_lost_down", "longest_blackout_lost_down"}}};
-
-/// The same by present names; where both are there, the present one counts.
-KeyValues by_present_names(KeyValues values) {
-  for (const auto& [earlier, present] : kRenamed) {
-    auto field = values.extract(earlier);
-    if (field.empty()) continue;
-    field.key() = present;
-    values.insert(std::move(field));
-  }
-  return values;
-}
-
 }  // namespace
 
 KeyValues to_key_values(const RunInfo& info) {
@@ -188,18 +163,12 @@ KeyValues to_key_values(const RunTotals& totals) {
 RunInfo run_info_from(const KeyValues& values, std::string* problem) {
   RunInfo info;
   each_field(info, InfoReader{values, problem});
-  // Version 1 did not say it; only a simulated device knows P.
-  if (!values.contains("device_simulated")) info.device_simulated = info.audited;
   return info;
 }
 
-RunTotals run_totals_from(const KeyValues& recorded, std::string* problem) {
-  const KeyValues values = by_present_names(recorded);
+RunTotals run_totals_from(const KeyValues& values, std::string* problem) {
   RunTotals totals;
   each_total(totals, InfoReader{values, problem});
-  // Version 1 did not count it; it is the difference.
-  const std::uint64_t elsewhere = totals.received + totals.lost_up + totals.lost_down;
-  if (!values.contains("unanswered") && totals.sent > elsewhere) totals.unanswered = totals.sent - elsewhere;
   for (const auto& [name, text] : values) {
     if (name.starts_with(kNotePrefix)) totals.notes.push_back(text);
   }

@@ -109,13 +109,12 @@ struct MotionFates {
 KeyValues to_key_values(const RunInfo& info);
 KeyValues to_key_values(const RunTotals& totals);
 
-/// Fields that are absent keep their default; unknown ones are ignored: an older or newer program wrote them. Fields
-/// that were renamed are read by their earlier names as well.
+/// Fields that are absent keep their default; unknown ones are ignored: an older or newer program wrote them.
 /// @param problem if given, names the first field whose value is not a number where one belongs; such keep their
 /// default
 /// @throws std::invalid_argument the same, if not.
 RunInfo run_info_from(const KeyValues& values, std::string* problem = nullptr);
-RunTotals run_totals_from(const KeyValues& recorded, std::string* problem = nullptr);
+RunTotals run_totals_from(const KeyValues& values, std::string* problem = nullptr);
 
 /// The fault counts, each with its name in the summary and its meaning.
 struct Fault {

@@ -42,7 +42,7 @@ std::vector<std::string> short_names(const std::vector<NamedSummary>& runs) {
 
 nlohmann::ordered_json read_summary(const std::string& file) {
   auto summary = nlohmann::ordered_json::parse(text::read_file(file), nullptr, false);
-  if (!summary.is_object() || !summary.contains("law") || !summary.contains("passivity")) {
+  if (!summary.is_object() || !summary.contains("law") || !summary.contains("verdict")) {
     throw std::runtime_error(file + ": not a summary; expected the output of a client's --summary");
   }
   return summary;

@@ -7,7 +7,6 @@
 #include <stdexcept>
 
 #include "forcebound/baselines/baselines.hpp"
-#include "tests/support/source_folder.hpp"
 
 namespace forcebound::baselines {
 namespace {
@@ -86,16 +85,6 @@ TEST(LawFile, IsReadFromTheDisk) {
   EXPECT_EQ(load_law_parameters(file, "tuned", laws()), (LawParameters{{"mass_kg", 0.25}}));
   std::remove(file.c_str());
   EXPECT_THROW((void)load_law_parameters(file, "tuned", laws()), std::runtime_error);
-}
-
-TEST(LawFile, OfVersion1KeepsEveryLawAndParameter) {
-  const control::LawRegistry shipped = shipped_laws();
-  const std::string file = (test::source_folder() / "tests/support/version_1/laws.toml").string();
-  const auto read = [&](std::string_view law) { return load_law_parameters(file, law, shipped); };
-  EXPECT_EQ(read("eba"), (LawParameters{{"c1_T_per_b", 0.9}, {"c2_T_per_b", 3.5}}));
-  EXPECT_EQ(read("tdpa").at("variant"), 2002);
-  EXPECT_EQ(read("wave").size(), 4U);
-  EXPECT_EQ(read("fba-exact"), LawParameters{});
 }
 
 TEST(LawFile, IsDescribedAsText) {

@@ -122,21 +122,6 @@ TEST(ParseDevice, TakesNumbersListsAndFullMatrices) {
   EXPECT_EQ(device.facts.latency_s, 1e-4);
 }
 
-TEST(LoadDevice, ReadsFilesOfVersion1WithEveryKey) {
-  const auto folder = forcebound::test::source_folder() / "tests/support/version_1/devices";
-  const DeviceDescription arm = load_device((folder / "arm.toml").string());
-  EXPECT_EQ(arm.facts.name, "arm");
-  EXPECT_EQ(arm.facts.friction[2], 0.004);
-  EXPECT_EQ(arm.facts.actuator_step[0], 0.0001);
-  EXPECT_EQ(arm.facts.uncertainty, control::Uncertainty{});
-  EXPECT_EQ(arm.facts.release_s, 0);
-  EXPECT_EQ(std::get<ArmGeometry>(arm.geometry).origin_reach_m, 0.16);
-  const DeviceDescription cartesian = load_device((folder / "cartesian.toml").string());
-  EXPECT_EQ(cartesian.facts.damping(0, 1), 1);
-  EXPECT_EQ(cartesian.facts.period_s, 0.0005);
-  EXPECT_FALSE(cartesian.facts.releases);
-}
-
 TEST(ParseDevice, TakesBoundsOfWhatIsNotKnownExactly) {
   const std::string text =
       std::string(kPoint) +

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "forcebound/record/mcap_writer.hpp"
 #include "forcebound/record/recording_reader.hpp"
 #include "forcebound/record/recording_writer.hpp"
 #include "forcebound/record/summary.hpp"
@@ -264,6 +265,19 @@ TEST(Recording, RefusesWhatIsNotOne) {
   EXPECT_THAT(refusal_of(file.path()), AllOf(HasSubstr("byte 0"), HasSubstr("not an MCAP file")));
   EXPECT_THAT(refusal_of("/nowhere/at-all.mcap"), AllOf(HasSubstr("/nowhere/at-all.mcap"), HasSubstr("No such file")));
   EXPECT_THAT(refusal_of("/tmp"), HasSubstr("directory"));
+}
+
+TEST(Recording, OfVersion1IsRefused) {
+  const TemporaryFile file("version-1.mcap");
+  std::ofstream out(file.path(), std::ios::binary);
+  mcap::Writer writer(out, "forcebound-client 0.1.0");
+  KeyValues settings = to_key_values(test::sample_info());
+  settings.erase("device_simulated");
+  settings.erase("guarantee");
+  writer.add_metadata("forcebound.run", settings);
+  writer.close();
+  out.close();
+  EXPECT_EQ(refusal_of(file.path()), file.path().string() + ": a recording of protocol version 1, expected version 2");
 }
 
 TEST(Recording, OnAFullDiskCountsWhatIsMissingAndGoesOn) {

@@ -249,16 +249,6 @@ TEST(Summary, GivesEachMotionOneFate) {
           "5000 sent = 4700 answered + 30 unanswered + 115 lost up + 150\n                lost down + 5 in flight"));
 }
 
-TEST(RunTotals, OfAProgramThatDidNotCountUnansweredMotionsAddUp) {
-  auto values = to_key_values(test::sample_totals());
-  values.erase("unanswered");
-  values.erase("in_flight");
-  const MotionFates fates = fates_of(run_totals_from(values));
-  EXPECT_EQ(fates.unanswered, 30U);
-  EXPECT_EQ(fates.lost_up, 120U);
-  EXPECT_EQ(fates.in_flight, 0U);
-}
-
 TEST(Summary, SaysWhatDiedInTheLongestBlackout) {
   Summary summary(test::sample_info());
   summary.finish(test::sample_totals());

@@ -50,13 +50,10 @@ namespace forcebound::lab {
   return std::isfinite(stiffness_N_per_m) ? text::rounded(stiffness_N_per_m * 1e-3) : "-";
 }
 
-/// A run's least P [mJ], in red where that makes it not passive. Summaries of version 1 have no verdict, but say
-/// whether P is ok.
+/// A run's least P [mJ], in red where that makes it not passive.
 [[nodiscard]] inline text::Table::Cell least_P_cell(const nlohmann::ordered_json& summary) {
   const double least_P_J = number_at(summary, "/passivity/minimum_J");
-  const nlohmann::ordered_json::json_pointer ok("/passivity/ok");
-  const bool alarm = summary.contains("verdict") ? summary.at("verdict") == "not passive"
-                                                 : summary.contains(ok) && summary.at(ok) == false;
+  const bool alarm = summary.contains("verdict") && summary.at("verdict") == "not passive";
   return {millijoules(least_P_J), alarm ? text::Table::Mark::alarm : text::Table::Mark::none};
 }
 

@@ -30,7 +30,8 @@ Json summary_of(const char* law, double least_P_J) {
           {"force_age_ms", {{"p50", 104.2}, {"p99", 121.76}, {"max", 300.0}}},
           {"force_N", {{"mean", 1.0}, {"variance", 0.12345}, {"max", 3.3}}},
           {"displayed_stiffness_N_per_m", {{"mean", 312.4}, {"median", 298.6}}},
-          {"passivity", {{"minimum_J", least_P_J}, {"final_J", 1.0}, {"ok", least_P_J >= 0}}}};
+          {"verdict", least_P_J >= 0 ? "passive" : "not passive"},
+          {"passivity", {{"minimum_J", least_P_J}, {"final_J", 1.0}}}};
 }
 
 TEST(ReadSummary, RefusesWhatIsNone) {
@@ -54,7 +55,7 @@ TEST(ComparisonTable, GivesEachRunALineInItsOrder) {
 
 TEST(ComparisonTable, ShowsWhatIsUnknownAsUnknown) {
   Json summary = summary_of("fba-less", 0.0);
-  summary["passivity"] = {{"minimum_J", nullptr}, {"ok", nullptr}};
+  summary["passivity"] = {{"minimum_J", nullptr}};
   summary.erase("force_age_ms");
   EXPECT_THAT(words_of_line(comparison_table({{"a.json", summary}}), 2),
               ElementsAre("a.json", "fba-less", "-", "0.1235", "299", "-"));
@@ -74,8 +75,7 @@ TEST(ComparisonTable, SaysWhyThereAreDashesWhereAHandNeverTouched) {
   EXPECT_THAT(comparison_table({{"a.json", with_contact(5)}}), testing::Not(testing::HasSubstr("never touched")));
 }
 
-// Its summaries said whether P was ok, but had no verdict.
-TEST(ComparisonTable, MarksARunOfVersion1ThatWasNotPassive) {
+TEST(ComparisonTable, MarksARunThatWasNotPassive) {
   EXPECT_EQ(least_P_cell(summary_of("none", -1.25)).mark, text::Table::Mark::alarm);
   EXPECT_EQ(least_P_cell(summary_of("none", 0.0)).mark, text::Table::Mark::none);
 }
