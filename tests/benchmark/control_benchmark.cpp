@@ -66,17 +66,14 @@ void exact_step_with_full_knots(benchmark::State& state) {
     request = Vector::NullaryExpr(degrees_of_freedom, [&](Eigen::Index) { return force_N(random); });
   }
   std::size_t next = 0;
-  double knots = 0;
   for (auto _ : state) {
     if (next % 30 == 0) motion.joint.array() += random() % 2 == 0 ? 55e-6 : -55e-6;
     law.credit(motion);
     Vector force = law.bound(requests[next]);
     law.commit(force);
     benchmark::DoNotOptimize(force);
-    knots += law.knots();
     if (++next == requests.size()) next = 0;
   }
-  state.counters["knots"] = benchmark::Counter(knots, benchmark::Counter::kAvgIterations);
 }
 
 void arm_damping(benchmark::State& state) {

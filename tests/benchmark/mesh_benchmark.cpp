@@ -148,7 +148,9 @@ double nearer_m(const test::Follower& follower, const Point& goal) {
   const Point at = follower.at_m() - bvh.mesh().origin_m();
   const Point to = goal - bvh.mesh().origin_m();
   double best_m = 0;
-  bvh.for_each_within(at, 1e-9 * bvh.mesh().size_m(), [&](std::uint32_t place) {
+  const double about_m = 1e-9 * bvh.mesh().size_m();
+  bvh.for_each_about({at.array() - about_m, at.array() + about_m}, [&](std::uint32_t place) {
+    if ((bvh.nearest_on(bvh.order()[place], at).point_m - at).norm() > about_m) return;
     best_m = std::max(best_m, (at - to).norm() - (bvh.nearest_on(bvh.order()[place], to).point_m - to).norm());
   });
   return best_m;
@@ -216,21 +218,6 @@ void ask_along_the_way(benchmark::State& state, Ask ask) {
   }
 }
 
-scene::Segment through_the_surface(const Point& goal) { return {1.1 * goal, -0.1 * goal}; }
-
-void our_segment(benchmark::State& state) {
-  const scene::Bvh bvh(std::make_shared<const scene::TriangleMesh>(ball().mesh()));
-  ask_along_the_way(state,
-                    [&](const Point& goal) { benchmark::DoNotOptimize(bvh.first_hit(through_the_surface(goal))); });
-}
-
-void embree_segment(benchmark::State& state) {
-  const auto mesh = ball().mesh();
-  const test::EmbreeScene embree(mesh);
-  ask_along_the_way(state,
-                    [&](const Point& goal) { benchmark::DoNotOptimize(embree.first_hit(through_the_surface(goal))); });
-}
-
 /// The ball with that number of triangles.
 scene::TriangleMesh ball_of(std::int64_t triangles) {
   std::uint32_t rows = 2;
@@ -290,8 +277,6 @@ BENCHMARK_CAPTURE(god_object_on_a_course, rough_ball, rough_ball)->Iterations(kM
 BENCHMARK_CAPTURE(god_object_on_a_course, saddles, saddles)->Iterations(kMotions);
 BENCHMARK_CAPTURE(god_object_on_a_course, rough_corner, rough_corner)->Iterations(kMotions);
 BENCHMARK(distance_field_slides);
-BENCHMARK(our_segment);
-BENCHMARK(embree_segment);
 BENCHMARK(our_nearest_point)->Apply(sizes);
 BENCHMARK(embree_nearest_point)->Apply(sizes);
 BENCHMARK(fcl_nearest_point)->Apply(sizes);

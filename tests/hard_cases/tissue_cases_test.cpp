@@ -81,7 +81,7 @@ TEST(HardCase37, InvertedTetrahedraAreTurnedAndFlatOnesRefusedByName) {
   const TetrahedralMesh mesh(soup);
   for (auto& tetrahedron : soup.tetrahedra) std::swap(tetrahedron.nodes[0], tetrahedron.nodes[2]);
   const TetrahedralMesh inverted(soup);
-  EXPECT_EQ(mesh.turned_tetrahedra() + inverted.turned_tetrahedra(), 48);
+  EXPECT_NEAR(inverted.volume_m3(), mesh.volume_m3(), 1e-18);
   const Eigen::MatrixXd difference = stiffness_matrix(mesh, {.young_Pa = 1, .poisson = 0.3}) -
                                      stiffness_matrix(inverted, {.young_Pa = 1, .poisson = 0.3});
   EXPECT_LT(difference.norm(), 1e-15);

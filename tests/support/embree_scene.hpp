@@ -9,7 +9,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <optional>
 
 #include "forcebound/scene/geometry/bvh.hpp"
 
@@ -42,26 +41,6 @@ class EmbreeScene {
   }
   EmbreeScene(const EmbreeScene&) = delete;
   EmbreeScene& operator=(const EmbreeScene&) = delete;
-
-  [[nodiscard]] std::optional<scene::SegmentHit> first_hit(const scene::Segment& segment) const {
-    RTCRayHit ray{};
-    std::array<float, 3> from = single(segment.from_m);
-    std::array<float, 3> way = single(segment.way_m);
-    ray.ray.org_x = from[0], ray.ray.org_y = from[1], ray.ray.org_z = from[2];
-    ray.ray.dir_x = way[0], ray.ray.dir_y = way[1], ray.ray.dir_z = way[2];
-    ray.ray.tfar = 1;
-    ray.ray.mask = ~0U;
-    ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-#if RTC_VERSION_MAJOR >= 4
-    rtcIntersect1(scene_, &ray);
-#else
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcIntersect1(scene_, &context, &ray);
-#endif
-    if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-    return scene::SegmentHit{ray.hit.primID, ray.ray.tfar};
-  }
 
   /// Embree finds the boxes; the nearest point of a triangle is computed by our function, since Embree has none.
   [[nodiscard]] double nearest_distance_m(const scene::Point& point_m) const {

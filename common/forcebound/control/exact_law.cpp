@@ -337,12 +337,6 @@ bool ExactLaw::allows(const Vector& force_N, double latency_s) const noexcept {
 
 void ExactLaw::commit(const Vector& force_N) noexcept { committed_ = jacobian_.transpose() * force_N; }
 
-int ExactLaw::knots() const noexcept {
-  int most = 0;
-  for (Eigen::Index i = 0; i < joint_count_; ++i) most = std::max(most, joints_[static_cast<std::size_t>(i)].knots());
-  return most;
-}
-
 bool ExactLaw::knots_merged() const noexcept {
   return std::any_of(joints_.begin(), joints_.end(), [](const LeastEnergy& joint) { return joint.merged(); });
 }

@@ -88,9 +88,6 @@ class ExactLaw final : public PassivityLaw {
 
   void receive_energy(double energy_J) noexcept override;
 
-  /// Knots kept for each joint at most, for benchmarks.
-  [[nodiscard]] int knots() const noexcept;
-
   /// Whether a joint's knots were ever merged: since then the energy may be less than could be known.
   [[nodiscard]] bool knots_merged() const noexcept;
 

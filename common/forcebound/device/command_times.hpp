@@ -36,7 +36,6 @@ class CommandTimes {
 
   /// Of the tick before; none: there was none.
   [[nodiscard]] std::optional<Nanoseconds> previous_reading() const noexcept { return previous_reading_; }
-  [[nodiscard]] std::optional<Nanoseconds> previous_command() const noexcept { return previous_command_; }
 
  private:
   [[nodiscard]] Vector with_rotations(const Reading& reading) const noexcept;

@@ -24,7 +24,6 @@ constexpr std::string_view kShared = "forcebound-shared-key";
 constexpr std::string_view kPublic = kPublicKeyWord;
 constexpr std::size_t kKeyFileBytesMost = 4096;
 constexpr ::mode_t kOwnerAlone = 0600;
-constexpr ::mode_t kAllMayRead = 0644;
 constexpr ::mode_t kOthersPermissions = 0077;
 
 struct KeyFileText {
@@ -154,7 +153,7 @@ void read_secret(const std::string& path, std::string_view wanted, SecretKey& ke
   if (!from_base64(key_in(*text, wanted, path), *key)) refuse_key_text(path, wanted);
 }
 
-void write_key_file(const std::string& path, std::string_view kind, const KeyBytes& key, ::mode_t mode) {
+void write_key_file(const std::string& path, std::string_view kind, const KeyBytes& key) {
   std::string text = to_base64(key);
   Locked<KeyFileText> line;
   for (const std::string_view part : {kind, std::string_view(" "), std::string_view(text), std::string_view("\n")}) {
@@ -163,7 +162,7 @@ void write_key_file(const std::string& path, std::string_view kind, const KeyByt
   }
   wipe(text.data(), text.size());
 
-  const KeyDescriptor file(path, O_WRONLY | O_CREAT | O_EXCL, mode);
+  const KeyDescriptor file(path, O_WRONLY | O_CREAT | O_EXCL, kOwnerAlone);
   if (file.get() < 0 && errno == EEXIST) {
     refuse_key_file(path,
                     "it is there already and is not replaced, since its key would be lost; accepted is a new "
@@ -205,16 +204,8 @@ PublicKey read_public_key(const std::string& key_or_path) {
   return *key;
 }
 
-void write_secret_key(const std::string& path, const SecretKey& key) {
-  write_key_file(path, kSecret, *key, kOwnerAlone);
-}
+void write_secret_key(const std::string& path, const SecretKey& key) { write_key_file(path, kSecret, *key); }
 
-void write_shared_key(const std::string& path, const SecretKey& key) {
-  write_key_file(path, kShared, *key, kOwnerAlone);
-}
-
-void write_public_key(const std::string& path, const PublicKey& key) {
-  write_key_file(path, kPublic, key.bytes, kAllMayRead);
-}
+void write_shared_key(const std::string& path, const SecretKey& key) { write_key_file(path, kShared, *key); }
 
 }  // namespace forcebound::security

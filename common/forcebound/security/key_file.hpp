@@ -26,10 +26,8 @@ namespace forcebound::security {
 /// The key itself in base64, or the file that has it.
 [[nodiscard]] PublicKey read_public_key(const std::string& key_or_path);
 
-/// New files, for their owner alone (mode 0600) but for public keys. One that is there is never replaced: the key in it
-/// would be lost.
+/// New files, for their owner alone (mode 0600). One that is there is never replaced: the key in it would be lost.
 void write_secret_key(const std::string& path, const SecretKey& key);
 void write_shared_key(const std::string& path, const SecretKey& key);
-void write_public_key(const std::string& path, const PublicKey& key);
 
 }  // namespace forcebound::security

@@ -310,8 +310,6 @@ HandshakeMessage Handshake::read(std::span<const std::byte> message, std::span<s
   return {result, result == HandshakeResult::done ? bytes : 0};
 }
 
-bool Handshake::finished() const noexcept { return both_->now.messages == 2; }
-
 const PublicKey& Handshake::peer() const noexcept { return both_->now.peer; }
 
 const std::array<std::byte, kHandshakeHashBytes>& Handshake::hash() const noexcept { return both_->now.hash; }

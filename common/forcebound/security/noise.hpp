@@ -83,8 +83,6 @@ class Handshake {
   /// @param out for the payload; must not overlap the message
   [[nodiscard]] HandshakeMessage read(std::span<const std::byte> message, std::span<std::byte> out) noexcept;
 
-  [[nodiscard]] bool finished() const noexcept;
-
   /// ik_psk2: the other one's public key; at the responder, after it has read a message. Until the first record is
   /// opened, a replayed message may have named it.
   [[nodiscard]] const PublicKey& peer() const noexcept;

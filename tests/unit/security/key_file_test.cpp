@@ -57,9 +57,9 @@ TEST_F(KeyFile, GivesTheKeyThatWasWrittenForItsOwnerAlone) {
 
   write_shared_key(folder_.file("shared.key"), secret_key(2));
   EXPECT_EQ(*read_shared_key(folder_.file("shared.key")), key_bytes(2));
-  write_public_key(folder_.file("anna.pub"), pair.public_key);
-  EXPECT_EQ(read_public_key(folder_.file("anna.pub")), pair.public_key);
-  EXPECT_EQ(read_public_key(to_base64(pair.public_key.bytes)), pair.public_key);
+  const std::string public_key = to_base64(pair.public_key.bytes);
+  EXPECT_EQ(read_public_key(file_with("forcebound-public-key " + public_key + "\n", 0644)), pair.public_key);
+  EXPECT_EQ(read_public_key(public_key), pair.public_key);
 }
 
 TEST_F(KeyFile, MayHaveComments) {

@@ -145,70 +145,7 @@ class Bvh::Builder {
   Point margin_;
 };
 
-namespace {
-
-/// A line through triangles, watertight: the sign by which it passes an edge is the same for both triangles of the
-/// edge, since the same products are subtracted, the other way round.
-class WatertightRay {
- public:
-  explicit WatertightRay(const Segment& segment) noexcept : from_(segment.from_m) {
-    segment.way_m.cwiseAbs().maxCoeff(&z_);
-    x_ = (z_ + 1) % 3;
-    y_ = (z_ + 2) % 3;
-    const double way_z = segment.way_m[z_];
-    slope_x_ = segment.way_m[x_] / way_z;
-    slope_y_ = segment.way_m[y_] / way_z;
-    inverse_z_ = 1 / way_z;
-  }
-
-  /// The share of the way at which the triangle is met, anywhere on the line.
-  [[nodiscard]] std::optional<double> meets(const Point& a, const Point& b, const Point& c) const noexcept {
-    const Point p = sheared(a);
-    const Point q = sheared(b);
-    const Point r = sheared(c);
-    const double u = r.x() * q.y() - r.y() * q.x();
-    const double v = p.x() * r.y() - p.y() * r.x();
-    const double w = q.x() * p.y() - q.y() * p.x();
-    if ((u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0)) return std::nullopt;
-    const double sum = u + v + w;
-    if (sum == 0) return std::nullopt;
-    return (u * p.z() + v * q.z() + w * r.z()) / sum * inverse_z_;
-  }
-
- private:
-  /// In a frame in which the line is the z axis.
-  [[nodiscard]] Point sheared(const Point& vertex) const noexcept {
-    const Point d = vertex - from_;
-    return {d[x_] - slope_x_ * d[z_], d[y_] - slope_y_ * d[z_], d[z_]};
-  }
-
-  Point from_;
-  Eigen::Index x_ = 0;
-  Eigen::Index y_ = 0;
-  Eigen::Index z_ = 0;
-  double slope_x_;
-  double slope_y_;
-  double inverse_z_;
-};
-
-}  // namespace
-
 Bvh::Bvh(std::shared_ptr<const TriangleMesh> mesh) : mesh_(std::move(mesh)) { Builder{*this}; }
-
-std::optional<SegmentHit> Bvh::first_hit(const Segment& segment) const noexcept {
-  if (!(segment.way_m.squaredNorm() > 0)) return std::nullopt;
-  const WatertightRay ray(segment);
-  std::optional<SegmentHit> found;
-  for_each_along(segment, 1, [&](std::uint32_t place, double until) {
-    const std::uint32_t triangle = order_[place];
-    const auto share =
-        ray.meets(mesh_->corner_m(triangle, 0), mesh_->corner_m(triangle, 1), mesh_->corner_m(triangle, 2));
-    if (!share || !(*share >= 0) || !(*share <= until) || (found && *share == until)) return until;
-    found = SegmentHit{triangle, *share};
-    return *share;
-  });
-  return found;
-}
 
 std::optional<std::size_t> Bvh::gather(const Bounds& box_m, std::span<std::uint32_t> places) const noexcept {
   std::size_t count = 0;

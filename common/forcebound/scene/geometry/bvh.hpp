@@ -22,11 +22,6 @@ struct Segment {
   Point way_m;
 };
 
-struct SegmentHit {
-  std::uint32_t triangle = 0;
-  double share = 0;  ///< of the segment's way
-};
-
 struct NearestPoint {
   std::uint32_t triangle = 0;
   Point point_m = Point::Zero();
@@ -83,17 +78,9 @@ class Bvh {
   /// indices into it.
   [[nodiscard]] std::span<const std::uint32_t> order() const noexcept { return order_; }
 
-  /// Where the segment first meets a triangle, from either side, ends included. A segment that passes between two
-  /// triangles that share an edge hits one of them.
-  [[nodiscard]] std::optional<SegmentHit> first_hit(const Segment& segment) const noexcept;
-
   /// The nearest point of the mesh, if it is within `reach_m`.
   [[nodiscard]] std::optional<NearestPoint> nearest(
       const Point& point_m, double reach_m = std::numeric_limits<double>::infinity()) const noexcept;
-
-  /// Calls visit(place) for each triangle that is within `radius_m` of the point.
-  template <class Visit>
-  void for_each_within(const Point& point_m, double radius_m, Visit visit) const noexcept;
 
   /// Calls visit(place) for each triangle whose box meets the box, and perhaps for some more.
   template <class Visit>
@@ -178,17 +165,6 @@ void Bvh::descend(Enter enter, Limit limit, Visit visit) const noexcept {
     if (waiting == 0) return;
     here = stack[--waiting];
   }
-}
-
-template <class Visit>
-void Bvh::for_each_within(const Point& point_m, double radius_m, Visit visit) const noexcept {
-  const double most = radius_m * radius_m;
-  descend([&](const Node& node) { return squared_distance(node, point_m); }, [&] { return most; },
-          [&](const Node& leaf) {
-            for (std::uint32_t i = leaf.first; i < leaf.first + leaf.count; ++i) {
-              if ((nearest_on(order_[i], point_m).point_m - point_m).squaredNorm() <= most) visit(i);
-            }
-          });
 }
 
 template <class Visit>

@@ -88,7 +88,7 @@ device::Reading SimulatedArm::read(Nanoseconds now) noexcept {
   advance_to(now);
   device::Reading reading;
   reading.latched = now;
-  if (failed_ || unplugged_) {
+  if (failed_) {
     reading.status = device::Reading::Status::failed;
     return reading;
   }
@@ -106,7 +106,7 @@ device::Reading SimulatedArm::read(Nanoseconds now) noexcept {
 
 void SimulatedArm::apply(Nanoseconds now, const Vector& torque) noexcept {
   advance_to(now);
-  write_failed_ = stopped_ || failed_;  // and where it is unplugged it is stopped
+  write_failed_ = stopped_ || failed_;
   if (write_failed_) {
     ++counters_.failed_writes;
     return;
@@ -162,18 +162,7 @@ std::optional<ToolPose> SimulatedArm::block() const noexcept {
 
 void SimulatedArm::resume(Nanoseconds now) noexcept {
   advance_to(now);
-  if (!unplugged_) stopped_ = false;
-}
-
-void SimulatedArm::unplug(Nanoseconds now) noexcept {
-  soft_stop(now);
-  unplugged_ = true;
-  error_ = "the robot is unplugged";
-}
-
-void SimulatedArm::plug_in(Nanoseconds now) noexcept {
-  advance_to(now);
-  unplugged_ = false;
+  stopped_ = false;
 }
 
 void SimulatedArm::push(Nanoseconds now, const Vector6& wrench) noexcept {

@@ -91,11 +91,6 @@ class SimulatedArm final : public TaskRobot {
 
   [[nodiscard]] Truth truth() const noexcept;
 
-  /// The cable is pulled: brakes close as by `soft_stop`, readings and commands fail until it is plugged in again; then
-  /// the arm is stopped.
-  void unplug(Nanoseconds now) noexcept;
-  void plug_in(Nanoseconds now) noexcept;
-
  private:
   void advance_to(Nanoseconds now) noexcept;
   void step(double step_s) noexcept;
@@ -122,7 +117,6 @@ class SimulatedArm final : public TaskRobot {
   std::optional<Nanoseconds> origin_;
   Nanoseconds time_{0};  // since the origin, as are all of the parts above
   bool stopped_ = false;
-  bool unplugged_ = false;
   bool failed_ = false;  // the simulation
   bool write_failed_ = false;
   double opening_ = 0;  // of the gripper, as commanded

@@ -185,25 +185,6 @@ TEST(SimulatedArm, HeldByABrakeGivesWayToAPersonWhoPushesHard) {
   EXPECT_GT(moved_by(100, milliseconds(500)), 0.005);
 }
 
-TEST(SimulatedArm, UnpluggedStopsAndAnswersNothingUntilItIsPluggedIn) {
-  SimulatedArm arm(free_task(), 1);
-  hold(arm, one_joint(0, 30), milliseconds(0), milliseconds(250));
-  arm.unplug(milliseconds(250));
-  EXPECT_EQ(arm.read(milliseconds(251)).status, device::Reading::Status::failed);
-  EXPECT_EQ(arm.last_error(), "the robot is unplugged");
-  arm.apply(milliseconds(251), one_joint(0, 30));
-  EXPECT_TRUE(arm.write_failed());
-  arm.resume(milliseconds(252));
-  EXPECT_TRUE(arm.is_stopped()) << "brakes need power to open";
-  (void)arm.read(milliseconds(600));
-  EXPECT_EQ(arm.truth().joint_velocity.norm(), 0);
-  arm.plug_in(milliseconds(600));
-  EXPECT_EQ(arm.read(milliseconds(601)).status, device::Reading::Status::ok);
-  EXPECT_TRUE(arm.is_stopped());
-  arm.resume(milliseconds(602));
-  EXPECT_FALSE(arm.is_stopped());
-}
-
 TEST(SimulatedArm, MovesItsGripper) {
   SimulatedArm arm(free_task(), 1);
   (void)arm.read(milliseconds(0));

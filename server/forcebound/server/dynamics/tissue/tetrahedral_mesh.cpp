@@ -74,10 +74,7 @@ void TetrahedralMesh::take_nodes(const TetrahedralSoup& soup, const scene::MeshP
     }
   }
   for (std::size_t node = 0; node < index.size(); ++node) {
-    if (index[node] == kUnused) {
-      ++unused_nodes_;
-      continue;
-    }
+    if (index[node] == kUnused) continue;
     index[node] = static_cast<int>(nodes_m_.size());
     const scene::Point node_m = placement.scale * soup.nodes[node];
     nodes_m_.emplace_back((placement.turns() ? scene::Point(placement.rotation * node_m) : node_m) +
@@ -104,10 +101,7 @@ void TetrahedralMesh::take_tetrahedra(const TetrahedralSoup& soup, const std::ve
                                " is flat: six times its volume over its longest edge's cube must be > " +
                                text::to_text(kFlat) + ", got " + text::rounded(longest_m > 0 ? thickness : 0));
     }
-    if (volumes < 0) {
-      std::swap(tetrahedron[2], tetrahedron[3]);
-      ++turned_tetrahedra_;
-    }
+    if (volumes < 0) std::swap(tetrahedron[2], tetrahedron[3]);
     tetrahedra_.push_back(tetrahedron);
     volumes_m3_.push_back(std::abs(volumes) / 6);
   }

@@ -40,8 +40,6 @@ class TetrahedralMesh {
 
   [[nodiscard]] double volume_m3() const noexcept;
   [[nodiscard]] double mean_edge_m() const noexcept;  ///< of the surface
-  [[nodiscard]] int turned_tetrahedra() const noexcept { return turned_tetrahedra_; }
-  [[nodiscard]] int unused_nodes() const noexcept { return unused_nodes_; }
 
   /// Sets of tetrahedra that share no node with each other: what is one body has one.
   [[nodiscard]] int pieces() const noexcept { return pieces_; }
@@ -60,8 +58,6 @@ class TetrahedralMesh {
   std::vector<double> volumes_m3_;
   std::vector<Triangle> triangles_;
   std::vector<int> surface_nodes_;
-  int turned_tetrahedra_ = 0;
-  int unused_nodes_ = 0;
   int pieces_ = 0;
   int coincident_nodes_ = 0;
 };

@@ -52,16 +52,13 @@ TEST(TetrahedralMesh, SurfaceOfABlockIsClosedAndFacesOutward) {
   EXPECT_EQ(mesh.surface_nodes().size(), 4 * 3 * 5 - 2 * 1 * 3);
   EXPECT_NEAR(mesh.volume_m3(), 3, 1e-14);
   EXPECT_NEAR(volume_within(mesh), 3, 1e-13);
-  EXPECT_EQ(mesh.turned_tetrahedra(), 3 * 3 * 2 * 4) << "odd orders of the axes wind the other way round";
 }
 
-TEST(TetrahedralMesh, TurnsAnInvertedTetrahedronAndCountsIt) {
+TEST(TetrahedralMesh, TurnsAnInvertedTetrahedron) {
   TetrahedralSoup soup = one_tetrahedron();
   std::swap(soup.tetrahedra[0].nodes[0], soup.tetrahedra[0].nodes[1]);
   const TetrahedralMesh mesh(soup);
-  EXPECT_EQ(mesh.turned_tetrahedra(), 1);
   EXPECT_NEAR(volume_within(mesh), 8.0 / 6, 1e-15);
-  EXPECT_EQ(TetrahedralMesh(one_tetrahedron()).turned_tetrahedra(), 0);
 }
 
 TEST(TetrahedralMesh, LeavesOutNodesThatNothingUses) {
@@ -69,7 +66,6 @@ TEST(TetrahedralMesh, LeavesOutNodesThatNothingUses) {
   soup.nodes.insert(soup.nodes.begin() + 2, scene::Point(7, 7, 7));
   soup.tetrahedra[0].nodes = {0, 1, 3, 4};
   const TetrahedralMesh mesh(soup);
-  EXPECT_EQ(mesh.unused_nodes(), 1);
   EXPECT_EQ(mesh.nodes_m().size(), 4U);
   EXPECT_EQ(mesh.nodes_m()[2], scene::Point(0, 2, 0));
 }
@@ -131,7 +127,6 @@ TEST(TetrahedralMesh, TakesTheLiver) {
   if (!path) GTEST_SKIP() << "meshes/liver.msh is not there";
   const TetrahedralMesh mesh(load_gmsh(path->string()), {.scale = 0.01});
   EXPECT_EQ(mesh.tetrahedra().size(), 596U);
-  EXPECT_EQ(mesh.unused_nodes(), 0);
   EXPECT_NEAR(volume_within(mesh), mesh.volume_m3(), 1e-12 * mesh.volume_m3());
   EXPECT_GT(mesh.volume_m3(), 1e-5);
 }
