@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "forcebound/client/session/blackout_watch.hpp"
+#include "forcebound/client/session/outage_detector.hpp"
 #include "forcebound/time/clock.hpp"
 #include "forcebound/time/sequence_window.hpp"
 #include "forcebound/wire/messages.hpp"

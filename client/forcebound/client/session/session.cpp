@@ -63,7 +63,7 @@ Session::Session(Options options, device::HapticDevice& device, std::unique_ptr<
       connection_(connection_facts(device.facts(), options_, controller_.law().server_law(), sinks.view != nullptr),
                   options_.seed + static_cast<std::uint64_t>(clock.now().count())),
       forces_(device.facts().translations()),
-      blackouts_(options_.policy.hold),
+      outages_(options_.policy.hold),
       rendering_(options_.local, {.slew_per_s = options_.force_slew_N_per_s, .most = device.facts().force_N_max},
                  {.slew_per_s = options_.torque_slew_N_m_per_s, .most = device.facts().torque_N_m_max}),
       safety_(device.safety(), device.facts().force_N_max, device.facts().torque_N_m_max),

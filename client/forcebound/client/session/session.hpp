@@ -9,7 +9,6 @@
 #include "forcebound/client/rendering/local_rendering.hpp"
 #include "forcebound/client/rendering/request_rendering.hpp"
 #include "forcebound/client/rendering/tool.hpp"
-#include "forcebound/client/session/blackout_watch.hpp"
 #include "forcebound/client/session/clock_offset.hpp"
 #include "forcebound/client/session/connection.hpp"
 #include "forcebound/client/session/device_watch.hpp"
@@ -18,6 +17,7 @@
 #include "forcebound/client/session/hand_safety.hpp"
 #include "forcebound/client/session/late_force_policy.hpp"
 #include "forcebound/client/session/motion_schedule.hpp"
+#include "forcebound/client/session/outage_detector.hpp"
 #include "forcebound/client/session/unseen_energy.hpp"
 #include "forcebound/client/session/view_sink.hpp"
 #include "forcebound/control/passivity_controller.hpp"
@@ -169,7 +169,7 @@ class Session {
   std::optional<std::uint32_t> buttons_sent_;
   Connection connection_;
   ForceStream forces_;
-  BlackoutWatch blackouts_;
+  OutageDetector outages_;
   wire::Codec codec_;
   std::array<std::byte, net::kDatagramBytesMax + 1> buffer_{};  // one more, so that an oversize datagram shows
 

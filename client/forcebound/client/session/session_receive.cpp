@@ -131,7 +131,7 @@ void Session::receive_force(const wire::EnvironmentForce& force, Nanoseconds now
     case ForceStream::Verdict::newest:
       silent_since_ = now;
       newest_arrived_ = arrival;
-      blackouts_.on_force(now, forces_.progress());
+      outages_.on_force(now, forces_.progress());
       controller_.hear(force.server_law_numbers);
       note_follower(force.follower, now);
       [[fallthrough]];
@@ -159,9 +159,9 @@ void Session::receive_bye(const wire::Bye& bye, Nanoseconds now) noexcept {
   }
   // While closing no forces come any more, which is no blackout.
   if (closing_) {
-    blackouts_.on_bye(last_tick_, forces_.final_progress(), BlackoutWatch::Bye::answers_ours);
+    outages_.on_bye(last_tick_, forces_.final_progress(), OutageDetector::Bye::answers_ours);
   } else {
-    blackouts_.on_bye(now, forces_.final_progress(), BlackoutWatch::Bye::of_the_server);
+    outages_.on_bye(now, forces_.final_progress(), OutageDetector::Bye::of_the_server);
   }
   if (!closing_) {
     connection_.on_bye();

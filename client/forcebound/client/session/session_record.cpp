@@ -133,7 +133,7 @@ record::RunTotals Session::totals() const {
   totals.failed_writes = controller_.counts().writes_failed;
   totals.effects_outside_facts = controller_.counts().effects_outside_facts;
   totals.releases_outside_facts = controller_.counts().releases_outside_facts;
-  totals.longest_blackout = blackouts_.longest(last_tick_);
+  totals.longest_blackout = outages_.longest(last_tick_);
   if (totals.longest_blackout.duration > Nanoseconds::zero()) {
     const std::string& server = options_.server_in_words;
     totals.notes.push_back(

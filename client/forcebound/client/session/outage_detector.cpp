@@ -1,4 +1,4 @@
-#include "forcebound/client/session/blackout_watch.hpp"
+#include "forcebound/client/session/outage_detector.hpp"
 
 #include <algorithm>
 
@@ -21,7 +21,7 @@ void count(const Progress& before, const Progress& after, std::uint64_t own, rec
 
 }  // namespace
 
-void BlackoutWatch::on_force(Nanoseconds now, const Progress& progress) noexcept {
+void OutageDetector::on_force(Nanoseconds now, const Progress& progress) noexcept {
   if (in_blackout(now)) {
     present_.duration = now - last_->time;
     present_.over = true;
@@ -32,14 +32,14 @@ void BlackoutWatch::on_force(Nanoseconds now, const Progress& progress) noexcept
   present_ = {};
 }
 
-void BlackoutWatch::on_bye(Nanoseconds now, const Progress& progress, Bye kind) noexcept {
+void OutageDetector::on_bye(Nanoseconds now, const Progress& progress, Bye kind) noexcept {
   if (!last_ || progress.session != last_->progress.session) return;
   present_.server_left = kind == Bye::of_the_server;
   // Without a blackout before it, datagrams still on their way would be counted as lost.
   if (in_blackout(now)) count(last_->progress, progress, 0, present_);
 }
 
-record::Blackout BlackoutWatch::longest(Nanoseconds now) const noexcept {
+record::Blackout OutageDetector::longest(Nanoseconds now) const noexcept {
   if (!in_blackout(now) || now - last_->time <= longest_.duration) return longest_;
   record::Blackout blackout = present_;
   blackout.duration = now - last_->time;

@@ -25,9 +25,9 @@ struct Progress {
 /// record::Blackout.
 ///
 /// Real time: noexcept, no allocation, O(1).
-class BlackoutWatch {
+class OutageDetector {
  public:
-  explicit BlackoutWatch(Nanoseconds hold) : hold_(hold) {}
+  explicit OutageDetector(Nanoseconds hold) : hold_(hold) {}
 
   /// Called for a force that is newer than all before.
   void on_force(Nanoseconds now, const Progress& progress) noexcept;
