@@ -33,8 +33,8 @@ class Connection {
   static constexpr Nanoseconds kRoundTripMost = std::chrono::seconds{20};
 
   struct Facts {
-    std::string device;
-    std::string scene;         ///< requested; empty: the server's default
+    std::string device{};
+    std::string scene{};       ///< requested; empty: the server's default
     std::string server_law{};  ///< that the law needs; empty: none
     int degrees_of_freedom = 1;
     double period_s = 1e-3;

@@ -22,7 +22,7 @@ class DeviceWatch {
   enum class Change : std::uint8_t { none, gone, back };
 
   /// Called on each tick. @param usable whether there was such a reading
-  Change note(bool usable, Nanoseconds now) noexcept {
+  Change change_on(bool usable, Nanoseconds now) noexcept {
     if (usable) {
       const bool back = gone_;
       last_ = now;

@@ -96,6 +96,7 @@ ForceStream::Verdict ForceStream::accept(const wire::EnvironmentForce& force, Na
     return Verdict::reordered;
   }
   newest_ = force;
+  newest_arrival_ = arrival;
   return Verdict::newest;
 }
 

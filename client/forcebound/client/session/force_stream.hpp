@@ -66,6 +66,9 @@ class ForceStream {
 
   [[nodiscard]] const std::optional<wire::EnvironmentForce>& newest() const noexcept { return newest_; }
 
+  /// When that arrived; zero: there is none.
+  [[nodiscard]] Nanoseconds newest_arrival() const noexcept { return newest_arrival_; }
+
   /// When the motion that `force` answers was read.
   [[nodiscard]] static Nanoseconds reading_time(const wire::EnvironmentForce& force) noexcept {
     return force.motion_device_time;
@@ -115,6 +118,7 @@ class ForceStream {
   std::uint64_t sequence_ = 0;
   std::vector<Sent> sent_;  // ring buffer of the last motions
   std::optional<wire::EnvironmentForce> newest_;
+  Nanoseconds newest_arrival_{0};
 
   std::uint64_t session_ = 0;
   time::SequenceWindow arrivals_;

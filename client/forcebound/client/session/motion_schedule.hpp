@@ -78,7 +78,7 @@ class MotionSchedule {
       : as_needed_(rate.as_needed), period_(period), interval_(rate.interval(period)) {}
 
   /// What the last tick's force needed.
-  void note(const ServerNeed& need) noexcept {
+  void plan(const ServerNeed& need) noexcept {
     if (as_needed_) interval_ = motion_interval(need);
   }
 

@@ -38,7 +38,7 @@ UnseenEnergy::UnseenEnergy(const control::DeviceFacts& facts, const device::Safe
       step_(facts.encoder_step),
       repeats_(facts.encoder_step) {}
 
-void UnseenEnergy::note(const device::Reading& reading, const Vector& applied, double elapsed_s) noexcept {
+void UnseenEnergy::add(const device::Reading& reading, const Vector& applied, double elapsed_s) noexcept {
   if (!bounds_ || !(elapsed_s > 0)) return;
   repeats_.note(reading.joint, elapsed_s);
   const Vector torque = reading.jacobian.transpose() * applied;
@@ -46,7 +46,7 @@ void UnseenEnergy::note(const device::Reading& reading, const Vector& applied, d
   frozen_ = false;
   for (Eigen::Index i = 0; i < torque.rows(); ++i) {
     const double reach_m = reach_of(reading.jacobian, i);
-    note(i, torque[i], reach_m, elapsed_s);
+    add(i, torque[i], reach_m, elapsed_s);
     energy_J += joints_.at(static_cast<std::size_t>(i)).energy_J;
     frozen_ = frozen_ || is_frozen(i, reach_m);
   }
@@ -54,7 +54,7 @@ void UnseenEnergy::note(const device::Reading& reading, const Vector& applied, d
   share_ = std::min(left < kGone ? 0 : left, share_ + elapsed_s / kBack_s);
 }
 
-void UnseenEnergy::note(Eigen::Index i, double torque, double reach_m, double elapsed_s) noexcept {
+void UnseenEnergy::add(Eigen::Index i, double torque, double reach_m, double elapsed_s) noexcept {
   Joint& joint = joints_.at(static_cast<std::size_t>(i));
   const double still_s = repeats_.still_s(i);
   if (still_s == 0 || reach_m < kNoReach_m) {

@@ -42,7 +42,7 @@ class UnseenEnergy {
   UnseenEnergy(const control::DeviceFacts& facts, const device::Safety& limits) noexcept;
 
   /// @param reading usable @param applied since the reading before: the force, and the torque below it
-  void note(const device::Reading& reading, const Vector& applied, double elapsed_s) noexcept;
+  void add(const device::Reading& reading, const Vector& applied, double elapsed_s) noexcept;
 
   /// Of what is wanted, the share that may be asked for.
   [[nodiscard]] double share() const noexcept { return share_; }
@@ -53,7 +53,7 @@ class UnseenEnergy {
     double energy_J = 0;
     double most_N = 0;  ///< of the force along its way, beyond friction
   };
-  void note(Eigen::Index joint, double torque, double reach_m, double elapsed_s) noexcept;
+  void add(Eigen::Index joint, double torque, double reach_m, double elapsed_s) noexcept;
   [[nodiscard]] bool is_frozen(Eigen::Index joint, double reach_m) const noexcept;
 
   bool bounds_;

@@ -65,24 +65,24 @@ TEST(MotionSchedule, SendsOnEachTickBeforeItIsKnownWhatIsNeeded) {
 
 TEST(MotionSchedule, SendsRarelyWhereTheSceneAtTheClientIsAllThereIs) {
   MotionSchedule schedule({.as_needed = true}, 1ms);
-  schedule.note(
+  schedule.plan(
       {.server_parts = wire::ServerParts::none, .scene_runs = true, .radius_m = kNoModel, .speed_m_per_s = 1});
   EXPECT_EQ(motions_in(schedule, 1000), 20);
 }
 
 TEST(MotionSchedule, SendsOnEachTickWhereAForceIsHeld) {
   MotionSchedule schedule({.as_needed = true}, 1ms);
-  schedule.note({.server_parts = wire::ServerParts::held, .scene_runs = true, .radius_m = kNoModel});
+  schedule.plan({.server_parts = wire::ServerParts::held, .scene_runs = true, .radius_m = kNoModel});
   EXPECT_EQ(motions_in(schedule, 100), 100);
-  schedule.note({.server_parts = wire::ServerParts::none, .scene_runs = true, .radius_m = kNoModel});
+  schedule.plan({.server_parts = wire::ServerParts::none, .scene_runs = true, .radius_m = kNoModel});
   EXPECT_FALSE(schedule.is_due(100ms));
-  schedule.note({.server_parts = wire::ServerParts::none, .scene_runs = false, .radius_m = kNoModel});
+  schedule.plan({.server_parts = wire::ServerParts::none, .scene_runs = false, .radius_m = kNoModel});
   EXPECT_TRUE(schedule.is_due(101ms)) << "not all about the device has arrived";
 }
 
 TEST(MotionSchedule, SendsMoreOftenWhilePiecesAreToCome) {
   MotionSchedule schedule({.as_needed = true}, 1ms);
-  schedule.note(
+  schedule.plan(
       {.server_parts = wire::ServerParts::none, .scene_runs = true, .pieces_wanted = true, .radius_m = kNoModel});
   EXPECT_EQ(motions_in(schedule, 1000), 200);
 }

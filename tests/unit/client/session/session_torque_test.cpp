@@ -251,13 +251,5 @@ TEST_F(SessionOfSixAxesWithTheExactLaw, IsPassiveWhateverTorqueIsAskedFor) {
   EXPECT_GE(records.last.audit_minimum_J, -1e-9);
 }
 
-TEST_F(SessionTest, OfADeviceThatTurnsWithoutMotorsSaysOnceThatItShowsNoTorque) {
-  device.handle.orientation = control::Handle::Orientation{1, 0, 0, 0};
-  connect();
-  for (int i = 0; i < 5; ++i) tick();
-  EXPECT_EQ(std::ranges::count(events.kinds, Event::Kind::no_torque), 1);
-  EXPECT_EQ(records.last.applied_torque_N_m.rows(), 0);
-}
-
 }  // namespace
 }  // namespace forcebound::client

@@ -111,7 +111,7 @@ class Felt {
   void tick() {
     const device::Reading reading = read();
     const Eigen::Index axis = device.facts().translations() - 1;
-    unseen_.note(reading, applied_, 1e-3);
+    unseen_.add(reading, applied_, 1e-3);
     Vector floor_N = Vector::Zero(axis + 1);
     floor_N[axis] = std::min(device.facts().force_N_max, kStiffness_N_per_m * std::max(0.0, -reading.position[axis]));
     const Vector before_N = applied_.head(axis + 1);
@@ -208,7 +208,7 @@ TEST(UnseenEnergy, AnAxisThatFrictionHoldsIsNotSaidToBeFrozen) {
     UnseenEnergy unseen(device.facts, of_a_person());
     const device::Reading stuck{
         .joint = Vector::Zero(1), .position = Vector::Zero(1), .jacobian = control::Matrix::Identity(1, 1)};
-    for (int tick = 0; tick < 5000; ++tick) unseen.note(stuck, Vector::Constant(1, unseen.share() * force_N), 1e-3);
+    for (int tick = 0; tick < 5000; ++tick) unseen.add(stuck, Vector::Constant(1, unseen.share() * force_N), 1e-3);
     EXPECT_FALSE(unseen.frozen()) << force_N;
   }
 }
@@ -223,7 +223,7 @@ TEST(UnseenEnergy, DoesNotAllocate) {
   const test::AllocationGuard guard;
   for (int tick = 0; tick < 300; ++tick) {
     if (tick < 20) reading.joint[0] += 1e-3;
-    unseen.note(reading, applied, 1e-3);
+    unseen.add(reading, applied, 1e-3);
   }
   EXPECT_EQ(guard.heap_operations(), 0U);
   EXPECT_TRUE(unseen.frozen());
