@@ -41,7 +41,7 @@ class Renderer {
   void end_session(std::uint64_t session) noexcept { rendering_.end(session); }
   void receive(const wire::ScenePiece& piece) noexcept;
 
-  /// Where the tool is. @param proxy the reading's position where the law wants the environment asked
+  /// Where the tool is. @param proxy where the law wants the environment asked for this reading
   [[nodiscard]] ToolPoint point_of(const device::Reading& reading, const Vector& proxy) const noexcept {
     return tool_.at(reading.position, proxy, reading.handle.orientation);
   }

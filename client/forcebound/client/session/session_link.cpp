@@ -56,22 +56,22 @@ std::uint64_t SessionLink::send(wire::MotionSample motion) noexcept {
 std::optional<SessionLink::Arrival> SessionLink::receive(Nanoseconds now, MessageLink::Received& in_tick) noexcept {
   while (const auto message = messages_.receive(connection_, in_tick)) {
     Arrival arrival{.message = message->message, .at = message->at};
-    if (is_for_others(arrival, now)) return arrival;
+    if (accept(arrival, now)) return arrival;
   }
   return std::nullopt;
 }
 
-bool SessionLink::is_for_others(Arrival& arrival, Nanoseconds now) noexcept {
+bool SessionLink::accept(Arrival& arrival, Nanoseconds now) noexcept {
   const wire::Message& message = arrival.message;
   if (const auto* force = std::get_if<wire::EnvironmentForce>(&message)) return accept(*force, arrival, now);
-  if (const auto* welcome = std::get_if<wire::Welcome>(&message)) return begin_session(*welcome, now);
-  if (const auto* bye = std::get_if<wire::Bye>(&message)) return end_session(*bye, now);
+  if (const auto* welcome = std::get_if<wire::Welcome>(&message)) return accept(*welcome, now);
+  if (const auto* bye = std::get_if<wire::Bye>(&message)) return accept(*bye, now);
   if (const auto* view = std::get_if<wire::ViewPiece>(&message)) return view->session == connection_.session();
-  if (const auto* refusal = std::get_if<wire::Refusal>(&message)) receive_refusal(*refusal, now, arrival.at);
+  if (const auto* refusal = std::get_if<wire::Refusal>(&message)) receive(*refusal, now, arrival.at);
   return std::holds_alternative<wire::ScenePiece>(message);
 }
 
-bool SessionLink::begin_session(const wire::Welcome& welcome, Nanoseconds now) noexcept {
+bool SessionLink::accept(const wire::Welcome& welcome, Nanoseconds now) noexcept {
   if (!connection_.on_welcome(welcome)) {
     if (welcome.session != connection_.session()) messages_.count_foreign();
     return false;
@@ -107,7 +107,7 @@ bool SessionLink::accept(const wire::EnvironmentForce& force, Arrival& arrival, 
   return false;
 }
 
-bool SessionLink::end_session(const wire::Bye& bye, Nanoseconds now) noexcept {
+bool SessionLink::accept(const wire::Bye& bye, Nanoseconds now) noexcept {
   const Progress before = forces_.final_progress();
   // The first copy ended the session; a further one must not end the next.
   if (bye.session != connection_.session() || !forces_.accept(bye)) {
@@ -131,7 +131,7 @@ bool SessionLink::end_session(const wire::Bye& bye, Nanoseconds now) noexcept {
   return true;
 }
 
-void SessionLink::receive_refusal(const wire::Refusal& refusal, Nanoseconds now, Nanoseconds arrival) noexcept {
+void SessionLink::receive(const wire::Refusal& refusal, Nanoseconds now, Nanoseconds arrival) noexcept {
   switch (connection_.on_refusal(refusal, arrival)) {
     case Connection::Refused::not_us:
       messages_.count_foreign();

@@ -42,7 +42,7 @@ class SessionLink {
   /// a server-side law on each
   SessionLink(Options options, net::DatagramLink& datagrams, const time::Clock& clock, EventReporter& events);
 
-  /// Whether this tick sends a motion. Called once a tick.
+  /// Whether a motion is sent. Called on each tick that has a reading.
   /// @param place where the environment is asked
   [[nodiscard]] bool is_motion_due(const device::Reading& reading, const Vector& place) noexcept;
 
@@ -82,11 +82,12 @@ class SessionLink {
   void add_to(record::RunTotals& totals, Nanoseconds now) const;
 
  private:
-  [[nodiscard]] bool is_for_others(Arrival& arrival, Nanoseconds now) noexcept;
-  [[nodiscard]] bool begin_session(const wire::Welcome& welcome, Nanoseconds now) noexcept;
+  /// @returns whether it concerns another stage
+  [[nodiscard]] bool accept(Arrival& arrival, Nanoseconds now) noexcept;
   [[nodiscard]] bool accept(const wire::EnvironmentForce& force, Arrival& arrival, Nanoseconds now) noexcept;
-  [[nodiscard]] bool end_session(const wire::Bye& bye, Nanoseconds now) noexcept;
-  void receive_refusal(const wire::Refusal& refusal, Nanoseconds now, Nanoseconds arrival) noexcept;
+  [[nodiscard]] bool accept(const wire::Welcome& welcome, Nanoseconds now) noexcept;
+  [[nodiscard]] bool accept(const wire::Bye& bye, Nanoseconds now) noexcept;
+  void receive(const wire::Refusal& refusal, Nanoseconds now, Nanoseconds arrival) noexcept;
   void report_refusal(const wire::Refusal& refusal, Nanoseconds now) noexcept;
   void report_follower(control::FollowerState state, Nanoseconds now) noexcept;
 
