@@ -8,8 +8,8 @@
 #include "forcebound/client/rendering/tool.hpp"
 #include "forcebound/client/session/actuation.hpp"
 #include "forcebound/client/session/renderer.hpp"
-#include "forcebound/client/session/session_state.hpp"
 #include "forcebound/record/run_info.hpp"
+#include "forcebound/record/session_state.hpp"
 #include "forcebound/record/tick_record.hpp"
 
 namespace forcebound::client {
