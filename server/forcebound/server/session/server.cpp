@@ -287,11 +287,11 @@ void Server::follow(Session& session, const wire::MotionSample& motion, std::siz
   if (session.info.address != from) {
     ++counters_.addresses_changed;
     session.info.address = from;
-    session.allowance.begin(new_challenge());
-    if (from == session.proven_at) session.allowance.prove();
+    session.amplification.begin(new_challenge());
+    if (from == session.proven_at) session.amplification.prove();
   }
-  session.allowance.take_in(bytes, motion.challenge);
-  if (session.allowance.proven()) session.proven_at = from;
+  session.amplification.count_received(bytes, motion.challenge);
+  if (session.amplification.proven()) session.proven_at = from;
 }
 
 std::uint64_t Server::new_challenge() noexcept {

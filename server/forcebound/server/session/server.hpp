@@ -15,7 +15,7 @@
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/net/datagram_link.hpp"
 #include "forcebound/server/environment/environment_library.hpp"
-#include "forcebound/server/session/answer_allowance.hpp"
+#include "forcebound/server/session/anti_amplification_limit.hpp"
 #include "forcebound/server/session/client_rights.hpp"
 #include "forcebound/server/session/compute_share.hpp"
 #include "forcebound/server/session/counters.hpp"
@@ -191,7 +191,7 @@ class Server {
     Vector stays_at{};       ///< no place from then on was far from it; no rows: no motion came
     net::Address proven_at;  ///< the last address that was proven
     ComputeShare compute;
-    AnswerAllowance allowance{};
+    AntiAmplificationLimit amplification{};
     Arrivals arrivals{};
     std::optional<Waiting> waiting{};
     std::string client{};                   ///< the key of who opened it; empty: it is not known

@@ -103,12 +103,12 @@ void Server::answer(Session& session, const Waiting& waiting) noexcept {
       .server_law_numbers = said.numbers,
       .server_parts_N = session.sender ? response.server_parts_N : Vector(),
       .texture_in_server_parts = response.texture_in_server_parts,
-      .model = session.allowance.proven() ? model_of(session, response) : local_model::LocalModel{},
-      .challenge = session.allowance.challenge(),
+      .model = session.amplification.proven() ? model_of(session, response) : local_model::LocalModel{},
+      .challenge = session.amplification.challenge(),
       .follower = response.follower};
   for (const std::string* name : response.quarantined) observer_.on_quarantined(session.info, *name);
   const std::span<const std::byte> encoded = codec_.encode(force);
-  if (!session.allowance.proven() && !session.allowance.spend(encoded.size())) {
+  if (!session.amplification.proven() && !session.amplification.spend(encoded.size())) {
     ++counters_.motions_unproven;
     return;
   }
@@ -116,8 +116,8 @@ void Server::answer(Session& session, const Waiting& waiting) noexcept {
   ++session.arrivals.counts.forces_sent;
   ++counters_.forces_sent;
   observer_.on_force(force);
-  if (session.sender && session.allowance.proven()) hand_over(session, motion, now);
-  if (session.view && session.allowance.proven()) show(session, now);
+  if (session.sender && session.amplification.proven()) hand_over(session, motion, now);
+  if (session.view && session.amplification.proven()) show(session, now);
 }
 
 void Server::hand_over(Session& session, const wire::MotionSample& motion, Nanoseconds now) noexcept {

@@ -13,7 +13,7 @@ namespace forcebound::server {
 /// comes back from it. [RFC 9000, sections 8.1 and 9.3.1; the factor there is 3, ours is 1]
 ///
 /// Bytes are those of datagrams without their IP and UDP headings. Real time: noexcept, no allocation. Not thread-safe.
-class AnswerAllowance {
+class AntiAmplificationLimit {
  public:
   /// Another address, of which nothing is known. @param challenge unguessable; 0: it cannot be proven
   void begin(std::uint64_t challenge) noexcept {
@@ -29,7 +29,7 @@ class AnswerAllowance {
   }
 
   /// A datagram came from there, with this challenge in it.
-  void take_in(std::size_t bytes, std::uint64_t echoed) noexcept {
+  void count_received(std::size_t bytes, std::uint64_t echoed) noexcept {
     if (proven_) return;
     if (echoed != 0 && echoed == challenge_) {
       prove();
