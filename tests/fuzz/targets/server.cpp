@@ -103,7 +103,7 @@ class ScriptedServer {
 
   void arrive_bytes(Bytes datagram) {
     const net::Address from{.ip = {}, .port = static_cast<std::uint16_t>(1 + script_.byte() % 4)};
-    server_.take_in(datagram, from, clock_.time);
+    server_.receive(datagram, {.address = from}, clock_.time);
   }
 
   void check() {

@@ -146,7 +146,7 @@ void ClosedLoop::live_until(Nanoseconds time) {
 
 void ClosedLoop::end_server_turn() {
   busy_.end_turn([this](std::span<const std::byte> datagram, const Address& from, Nanoseconds arrival) {
-    server_->take_in(datagram, from, server_clock_.shown_at(arrival));
+    server_->receive(datagram, {.address = from}, server_clock_.shown_at(arrival));
   });
   server_->answer_waiting();
 }

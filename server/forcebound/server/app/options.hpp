@@ -10,7 +10,7 @@
 #include "forcebound/server/app/follower_options.hpp"
 #include "forcebound/server/app/key_options.hpp"
 #include "forcebound/server/environment/stability.hpp"
-#include "forcebound/server/session/server.hpp"
+#include "forcebound/server/session/server_options.hpp"
 
 namespace forcebound::server {
 

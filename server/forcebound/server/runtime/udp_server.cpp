@@ -129,7 +129,7 @@ void UdpServer::note_busy(Nanoseconds waited) noexcept {
   const Nanoseconds now = clock_.now();
   const Nanoseconds elapsed = now - busy_since_;
   if (elapsed < kBusyMean) return;
-  server_.note_busy(1 - time::to_seconds(waited_) / time::to_seconds(elapsed), arrived_);
+  server_.store_busy(1 - time::to_seconds(waited_) / time::to_seconds(elapsed), arrived_);
   busy_since_ = now;
   arrived_ = 0;
   waited_ = Nanoseconds{0};
@@ -143,8 +143,10 @@ void UdpServer::run(const std::stop_token& wanted) {
 void UdpServer::replace_clients(security::AllowedClients clients) {
   if (!secure_) return;
   // Who is let in no more is told while there is still a key to tell it by.
-  server_.end_sessions_unless([&clients](std::string_view key) {
-    return std::ranges::any_of(clients.all(), [&](const auto& client) { return bytes_of(client.key) == key; });
+  server_.end_sessions([&clients](const Session& session) {
+    return !session.client.empty() && std::ranges::none_of(clients.all(), [&](const auto& client) {
+      return bytes_of(client.key) == session.client;
+    });
   });
   batch_.flush();
   secure_->replace_clients(std::move(clients));
@@ -157,7 +159,7 @@ void UdpServer::stop() {
 }
 
 bool UdpServer::end_session(std::uint64_t session) {
-  const bool ended = server_.end_session(session);
+  const bool ended = server_.end_sessions([&](const Session& any) { return any.info.session == session; }) > 0;
   batch_.flush();
   return ended;
 }
@@ -182,8 +184,7 @@ void UdpServer::take_in(const net::UdpBatch::Arrived& datagram, Nanoseconds now)
 void UdpServer::take_in_own(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now) {
   using Stage = WorkerMail::Stage;
   if (!secure_) {
-    server_.take_in(datagram, from, now);
-    const auto home = server_.take_elsewhere();
+    const auto home = server_.receive(datagram, {.address = from}, now);
     if (home) hand_over(*home, {.bytes = datagram, .from = from, .stage = Stage::hello_judged});
     return;
   }
@@ -193,8 +194,7 @@ void UdpServer::take_in_own(std::span<const std::byte> datagram, const net::Addr
     (void)hand_over_with_keys(*owner, *opened, {.bytes = opened->bytes, .from = from, .stage = Stage::opened}, now);
     return;
   }
-  server_.take_in(opened->bytes, from, now, rights_of(opened->client));
-  const auto home = server_.take_elsewhere();
+  const auto home = server_.receive(opened->bytes, {.address = from, .rights = rights_of(opened->client)}, now);
   if (!home) return;
   const auto moved =
       hand_over_with_keys(*home, *opened, {.bytes = opened->bytes, .from = from, .stage = Stage::hello_judged}, now);
@@ -279,16 +279,14 @@ void UdpServer::take_in_handed(Nanoseconds now) {
   using Stage = WorkerMail::Stage;
   const auto bytes = std::span(handed_.bytes).first(handed_.length);
   if (handed_.stage == Stage::as_it_came) return take_in_own(bytes, handed_.from, now);
-  ClientRights rights;
+  const bool judged = handed_.stage == Stage::hello_judged;
   if (handed_.keys) {
     const auto client = secure_->move_in(*std::exchange(handed_.keys, std::nullopt), handed_.from, now);
-    if (client) rights = rights_of(*client);
-    if (client && handed_.stage == Stage::opened) server_.take_in(bytes, handed_.from, now, rights);
-    if (client && handed_.stage == Stage::hello_judged) server_.take_in_judged(bytes, handed_.from, now, rights);
+    if (client) server_.receive(bytes, {.address = handed_.from, .rights = rights_of(*client), .judged = judged}, now);
     security::wipe(bytes.data(), bytes.size());
     return;
   }
-  server_.take_in_judged(bytes, handed_.from, now, rights);
+  server_.receive(bytes, {.address = handed_.from, .judged = true}, now);
 }
 
 void UdpServer::note_figures() {

@@ -7,6 +7,8 @@
 #include <string>
 #include <string_view>
 
+#include "forcebound/net/datagram_link.hpp"
+
 namespace forcebound::server {
 
 /// What one may do who has shown who it is. The default is of anybody: whatever the server offers.
@@ -20,6 +22,13 @@ struct ClientRights {
   [[nodiscard]] bool may_use(std::string_view scene) const noexcept {
     return scenes.empty() || std::ranges::find(scenes, scene) != scenes.end();
   }
+};
+
+/// Who sent a datagram.
+struct Sender {
+  net::Address address;
+  ClientRights rights{};
+  bool judged = false;  ///< another worker has counted its Hello, and found it within its rate
 };
 
 }  // namespace forcebound::server

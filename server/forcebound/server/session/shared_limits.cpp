@@ -49,7 +49,7 @@ bool SharedLimits::has(std::uint64_t session, std::string_view client) const noe
   return found != places_.end() && found->second.client == client;
 }
 
-bool SharedLimits::note(std::uint64_t session, const Idle& idle) noexcept {
+bool SharedLimits::report_idle(std::uint64_t session, const Idle& idle) noexcept {
   const std::lock_guard lock(guard_);
   const auto found = places_.find(session);
   if (found == places_.end()) return false;

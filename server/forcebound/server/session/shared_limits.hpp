@@ -103,7 +103,7 @@ class SharedLimits {
   };
 
   /// Of the worker that has the session, a few times a second. @return whether somebody has asked for its place since
-  [[nodiscard]] bool note(std::uint64_t session, const Idle& idle) noexcept;
+  [[nodiscard]] bool report_idle(std::uint64_t session, const Idle& idle) noexcept;
 
   /// Asks for the place of the session that is idle longest, unless one has been asked for and not been ended yet.
   /// @param client of this one's sessions, for another of its own; nothing: of all

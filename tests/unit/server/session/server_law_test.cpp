@@ -64,8 +64,8 @@ TEST_F(ServerWithServerLaws, DoesNotReceiveSupersededMotions) {
   const auto session = join_with_counting();
   wire::Codec client;
   for (const std::uint64_t sequence : {1U, 2U, 3U}) {
-    server->take_in(client.encode(saying(motion(session, sequence), static_cast<double>(sequence))), address(1),
-                    clock.time);
+    server->receive(client.encode(saying(motion(session, sequence), static_cast<double>(sequence))),
+                    {.address = address(1)}, clock.time);
   }
   server->answer_waiting();
   EXPECT_THAT(log.ticks_heard, ElementsAre(3));

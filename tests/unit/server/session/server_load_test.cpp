@@ -55,7 +55,7 @@ class ServerLoad : public ServerFixture {
       wire::Codec codec;
       for (std::size_t i = 0; i < sessions.size(); ++i) {
         const auto datagram = codec.encode(motion(sessions[i], sequence_));
-        server->take_in(datagram, address(static_cast<std::uint16_t>(i + 1)), clock.time);
+        server->receive(datagram, {.address = address(static_cast<std::uint16_t>(i + 1))}, clock.time);
       }
       server->answer_waiting();
       for (const auto& message : answers()) {
@@ -96,7 +96,7 @@ TEST_F(ServerLoad, OneMoreIsRefusedWithTheReasonIfTheProcessorIsTooSlowForIt) {
   // Three take 0.6 ms of 1.6 ms.
   sessions.push_back(join_in("light", 4));
   for (int i = 0; i < 4; ++i) (void)answered_in_a_second(sessions);
-  server->note_busy(0.95, 4000);
+  server->store_busy(0.95, 4000);
   arrive(hello(99), address(99));
   const auto refusal = only_answer<wire::Refusal>();
   EXPECT_EQ(refusal.reason, wire::RefusalReason::server_full);
@@ -107,7 +107,7 @@ TEST_F(ServerLoad, WhatManyTookWhoHaveLeftIsNotExpectedOfEachWhoComes) {
   std::vector<std::uint64_t> sessions;
   for (std::uint16_t port = 1; port <= 20; ++port) sessions.push_back(join_in("light", port));
   for (const std::uint64_t session : sessions) arrive(motion(session, 1), address(1));
-  server->note_busy(0.6, 20);
+  server->store_busy(0.6, 20);
   for (std::uint16_t port = 1; port <= 20; ++port) {
     arrive(wire::Bye{.session = sessions[port - 1U]}, address(port));
   }
@@ -119,7 +119,7 @@ TEST_F(ServerLoad, WhatManyTookWhoHaveLeftIsNotExpectedOfEachWhoComes) {
 TEST_F(ServerLoad, AFloodKeepsNobodyOut) {
   const auto session = join_in("light", 1);
   (void)answered_in_a_second({session});
-  server->note_busy(1, 100'000);
+  server->store_busy(1, 100'000);
   EXPECT_NE(join_in("light", 2), 0u);
 }
 

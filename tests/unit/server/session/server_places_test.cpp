@@ -136,10 +136,10 @@ TEST_F(ServerPlaces, OnlyAHelloThatAnotherHasJudgedIsBeyondTheRate) {
   const auto hello_of = [&](std::uint64_t nonce) {
     return codec.encode(wire::Hello{.client_nonce = nonce, .degrees_of_freedom = 1, .period_s = 1e-3});
   };
-  server.take_in(hello_of(1), address(1), clock.time);
-  server.take_in(hello_of(2), address(1), clock.time);
+  server.receive(hello_of(1), {.address = address(1)}, clock.time);
+  server.receive(hello_of(2), {.address = address(1)}, clock.time);
   EXPECT_EQ(server.sessions(), 1U);
-  server.take_in_judged(hello_of(3), address(1), clock.time);
+  server.receive(hello_of(3), {.address = address(1), .judged = true}, clock.time);
   EXPECT_EQ(server.sessions(), 2U);
   EXPECT_EQ(server.counters().datagrams, 2U) << "who has judged it has counted it";
 }

@@ -138,7 +138,7 @@ TEST_F(ServerRights, EndWithTheKeyAndNotWithTheName) {
   const std::uint64_t session = only_answer<wire::Welcome>().session;
   arrive_with(motion(session, 1), replaced);
   EXPECT_EQ(server->counters().datagrams_of_others, 1U) << "another key, whatever its name";
-  EXPECT_EQ(server->end_sessions_unless([](std::string_view key) { return key == "new key"; }), 1U);
+  EXPECT_EQ(server->end_sessions([](const Session& any) { return any.client != "new key"; }), 1U);
   EXPECT_EQ(server->sessions(), 0U);
 }
 

@@ -104,11 +104,12 @@ TEST_F(ServerTest, EndsASessionWhenAskedToAndTellsItsClient) {
   const std::uint64_t session = only_answer<wire::Welcome>().session;
   arrive(motion(session, 1, 0.01));
   (void)answers();
-  EXPECT_TRUE(server->end_session(session));
+  const auto is_it = [&](const Session& any) { return any.info.session == session; };
+  EXPECT_EQ(server->end_sessions(is_it), 1U);
   EXPECT_EQ(only_answer<wire::Bye>().session, session);
   EXPECT_EQ(server->sessions(), 0U);
   EXPECT_EQ(server->counters().sessions_removed, 1U);
-  EXPECT_FALSE(server->end_session(session));
+  EXPECT_EQ(server->end_sessions(is_it), 0U);
 }
 
 TEST_F(ServerTest, RefusesOtherProtocolVersionsSayingWhichItSpeaksAndWhatToUpdate) {
@@ -283,7 +284,7 @@ TEST_F(ServerTest, CountsEachMotionThatItDidNotAnswer) {
   wire::Codec codec;
   const auto came = [&](std::uint64_t sequence) {
     const auto bytes = codec.encode(motion(session, sequence));
-    server->take_in(bytes, address(1), clock.time);
+    server->receive(bytes, {.address = address(1)}, clock.time);
   };
   came(2);
   came(3);
@@ -438,13 +439,13 @@ TEST_F(ServerTest, RefusesAnUnknownDefaultScene) {
 TEST_F(ServerTest, AnswersTheNewestOfTheMotionsThatCameWhileItWasBusy) {
   const auto first = join(1, address(1));
   const auto second = join(2, address(2));
-  const auto take_in = [&](std::uint64_t session, std::uint64_t sequence, std::uint16_t who) {
+  const auto receive = [&](std::uint64_t session, std::uint64_t sequence, std::uint16_t who) {
     wire::Codec codec;
-    server->take_in(codec.encode(motion(session, sequence, 1e-3 * static_cast<double>(sequence))), address(who),
-                    clock.time);
+    server->receive(codec.encode(motion(session, sequence, 1e-3 * static_cast<double>(sequence))),
+                    {.address = address(who)}, clock.time);
   };
-  for (std::uint64_t i = 1; i <= 5; ++i) take_in(first, i, 1);
-  take_in(second, 1, 2);
+  for (std::uint64_t i = 1; i <= 5; ++i) receive(first, i, 1);
+  receive(second, 1, 2);
   EXPECT_TRUE(answers().empty());
   server->answer_waiting();
   const auto forces = answers();
@@ -460,8 +461,8 @@ TEST_F(ServerTest, AnswersTheNewestOfTheMotionsThatCameWhileItWasBusy) {
 TEST_F(ServerTest, AMotionWhoseSessionEndedWhileItWaitedIsNotAnswered) {
   const auto session = join();
   wire::Codec codec;
-  server->take_in(codec.encode(motion(session, 1)), address(1), clock.time);
-  server->take_in(codec.encode(wire::Bye{.session = session}), address(1), clock.time);
+  server->receive(codec.encode(motion(session, 1)), {.address = address(1)}, clock.time);
+  server->receive(codec.encode(wire::Bye{.session = session}), {.address = address(1)}, clock.time);
   EXPECT_EQ(only_answer<wire::Bye>().motions_received, 1U);
   server->answer_waiting();
   EXPECT_TRUE(answers().empty());
