@@ -86,26 +86,6 @@ TEST_F(ServerAbuse, AnAddressThatIsNotProvenGetsNoMoreBytesThanItSent) {
   EXPECT_EQ(counters.motions_unanswered() + counters.forces_sent, counters.motions_received);
 }
 
-TEST_F(ServerAbuse, OffersTheAllowedScenesAlone) {
-  start({.scene = "wall", .scenes = {"sphere"}});
-  auto question = hello();
-  question.scene = "box";
-  arrive(question);
-  const auto refusal = only_answer<wire::Refusal>();
-  EXPECT_EQ(refusal.reason, wire::RefusalReason::unknown_scene);
-  EXPECT_EQ(refusal.text, "this server does not offer scene 'box' (offered: wall, sphere)");
-  EXPECT_NE(join(2), 0u) << "the default";
-}
-
-TEST_F(ServerAbuse, OneAddressGetsNoMoreSessionsThanAllowed) {
-  start({.sessions_per_address = 2});
-  EXPECT_NE(join(1, address(1)), 0u);
-  EXPECT_NE(join(2, address(2)), 0u);
-  arrive(hello(3), address(3));
-  EXPECT_THAT(std::string(only_answer<wire::Refusal>().text), testing::HasSubstr("takes 2 sessions at once"));
-  EXPECT_NE(join(4, {.ip = {0x20}, .port = 1}), 0u) << "another address";
-}
-
 TEST_F(ServerAbuse, AFloodOfHellosIsBounded) {
   for (std::uint64_t nonce = 1; nonce <= 10000; ++nonce) {
     clock.time = milliseconds{nonce};

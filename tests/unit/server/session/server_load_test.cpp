@@ -103,26 +103,6 @@ TEST_F(ServerLoad, OneMoreIsRefusedWithTheReasonIfTheProcessorIsTooSlowForIt) {
   EXPECT_THAT(std::string(refusal.text), AllOf(HasSubstr("this server is busy"), HasSubstr("of 90 % at most")));
 }
 
-TEST_F(ServerLoad, WhatManyTookWhoHaveLeftIsNotExpectedOfEachWhoComes) {
-  std::vector<std::uint64_t> sessions;
-  for (std::uint16_t port = 1; port <= 20; ++port) sessions.push_back(join_in("light", port));
-  for (const std::uint64_t session : sessions) arrive(motion(session, 1), address(1));
-  server->store_busy(0.6, 20);
-  for (std::uint16_t port = 1; port <= 20; ++port) {
-    arrive(wire::Bye{.session = sessions[port - 1U]}, address(port));
-  }
-  (void)answers();
-  EXPECT_NE(join_in("light", 31), 0u);
-  EXPECT_NE(join_in("light", 32), 0u) << "not 60 % more";
-}
-
-TEST_F(ServerLoad, AFloodKeepsNobodyOut) {
-  const auto session = join_in("light", 1);
-  (void)answered_in_a_second({session});
-  server->store_busy(1, 100'000);
-  EXPECT_NE(join_in("light", 2), 0u);
-}
-
 TEST_F(ServerLoad, SomebodyIsLetInAgainOnceOthersRest) {
   const std::vector sessions{join_in("heavy", 1), join_in("heavy", 2)};
   for (int i = 0; i < 4; ++i) (void)answered_in_a_second(sessions);

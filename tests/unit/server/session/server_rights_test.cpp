@@ -154,21 +154,6 @@ TEST_F(ServerRights, LeaveASessionToTheClientThatOpenedIt) {
   EXPECT_EQ(server->counters().motions_received, 0U);
 }
 
-TEST_F(ServerRights, LetAClientThatWasCutOffBackIn) {
-  const ClientRights one{.name = "anna", .key = "anna\'s key", .sessions_max = 1};
-  arrive_with(hello(1), one);
-  const std::uint64_t session = only_answer<wire::Welcome>().session;
-  arrive_with(motion(session, 1), one);
-  (void)answers();
-  arrive_with(hello(2), one);
-  EXPECT_THAT(only_answer<wire::Refusal>().text, HasSubstr("as many sessions as it may"));
-  clock.time += std::chrono::seconds{21};
-  server->on_datagram(encoded(hello(3)), address(3), clock.time, one);
-  const auto last = answers();
-  ASSERT_FALSE(last.empty());
-  EXPECT_TRUE(std::holds_alternative<wire::Welcome>(last.back()));
-}
-
 TEST_F(ServerRights, WithoutARateAreTheServersOwn) {
   const ClientRights bert{.name = "bert", .key = "bert\'s key"};
   arrive_with(hello(), bert);

@@ -132,26 +132,6 @@ TEST_F(ServerTest, RefusesOtherProtocolVersionsSayingWhichItSpeaksAndWhatToUpdat
   EXPECT_THAT(server->counters().text(), HasSubstr("2 hellos refused, 2 of them of another protocol version"));
 }
 
-TEST_F(ServerTest, RefusesAnUnknownSceneAndListsTheKnown) {
-  auto question = hello();
-  question.scene = "wal";
-  arrive(question);
-  const auto refusal = only_answer<wire::Refusal>();
-  EXPECT_EQ(refusal.reason, wire::RefusalReason::unknown_scene);
-  EXPECT_EQ(refusal.text, SceneLibrary::shipped().unknown_scene_text("wal"));
-  EXPECT_THAT(refusal.text, HasSubstr("no scene 'wal', did you mean 'wall'? (known: "));
-  EXPECT_EQ(server->counters().hellos_refused, 1u);
-}
-
-TEST_F(ServerTest, RefusesOtherDegreesOfFreedomWithBothNumbers) {
-  auto question = hello();
-  question.scene = "sphere";
-  arrive(question);
-  const auto refusal = only_answer<wire::Refusal>();
-  EXPECT_EQ(refusal.reason, wire::RefusalReason::wrong_degrees_of_freedom);
-  EXPECT_EQ(refusal.text, "scene 'sphere' accepts devices with 3 or 6 degrees of freedom, device 'wall-1dof' has 1");
-}
-
 TEST_F(ServerTest, RefusesMoreSessionsThanItHas) {
   start({.sessions_max = 2});
   const std::uint64_t first = join(1);
@@ -303,23 +283,6 @@ TEST_F(ServerTest, CountsEachMotionThatItDidNotAnswer) {
   EXPECT_EQ(counters.motions_unanswered(), 5u);
 }
 
-TEST_F(ServerTest, AnswersByeAgainIfItsAnswerWasLost) {
-  const auto session = join();
-  arrive(motion(session, 1));
-  arrive(wire::Bye{.session = session});
-  answers();
-  arrive(wire::Bye{.session = session});
-  EXPECT_EQ(only_answer<wire::Bye>().motions_received, 1u);
-  EXPECT_EQ(server->counters().byes_repeated, 1u);
-}
-
-TEST_F(ServerTest, IgnoresByeOfASessionItNeverHad) {
-  arrive(wire::Bye{.session = 4711});
-  arrive(wire::Bye{});
-  EXPECT_TRUE(answers().empty());
-  EXPECT_EQ(server->counters().byes_unknown, 2u);
-}
-
 TEST_F(ServerTest, ACopyOfHelloAfterByeOpensNothing) {
   const auto session = join(5);
   arrive(wire::Bye{.session = session});
@@ -346,21 +309,6 @@ TEST_F(ServerTest, ClosesIdleSessions) {
   arrive(motion(quiet, 1));
   EXPECT_EQ(only_answer<wire::Refusal>().reason, wire::RefusalReason::unknown_session);
   EXPECT_NE(join(1), quiet) << "an idle client may come back with the same nonce";
-}
-
-TEST_F(ServerTest, SendsByeToAnIdleClientThatHasSentMotion) {
-  start({.idle_timeout = seconds{10}});
-  const auto session = join(1);
-  join(2, address(2));  // never sends motion, so its address may be forged
-  arrive(motion(session, 1));
-  answers();
-  clock.time = seconds{10};
-  server->on_timer(clock.time);
-  EXPECT_EQ(server->sessions(), 0u);
-  const auto bye = only_answer<wire::Bye>();
-  EXPECT_EQ(bye.session, session);
-  EXPECT_EQ(bye.motions_received, 1u);
-  EXPECT_EQ(bye.forces_sent, 1u);
 }
 
 TEST_F(ServerTest, SaysByeToAllWhenItStops) {
@@ -434,38 +382,6 @@ TEST_F(ServerTest, RefusesAnUnknownDefaultScene) {
   EXPECT_THROW(start({.scene = "wal"}), std::invalid_argument);
   EXPECT_THROW(start({.sessions_max = 0}), std::invalid_argument);
   EXPECT_THROW(start({.idle_timeout = seconds{0}}), std::invalid_argument);
-}
-
-TEST_F(ServerTest, AnswersTheNewestOfTheMotionsThatCameWhileItWasBusy) {
-  const auto first = join(1, address(1));
-  const auto second = join(2, address(2));
-  const auto receive = [&](std::uint64_t session, std::uint64_t sequence, std::uint16_t who) {
-    wire::Codec codec;
-    server->receive(codec.encode(motion(session, sequence, 1e-3 * static_cast<double>(sequence))),
-                    {.address = address(who)}, clock.time);
-  };
-  for (std::uint64_t i = 1; i <= 5; ++i) receive(first, i, 1);
-  receive(second, 1, 2);
-  EXPECT_TRUE(answers().empty());
-  server->answer_waiting();
-  const auto forces = answers();
-  ASSERT_EQ(forces.size(), 2U);
-  EXPECT_EQ(std::get<wire::EnvironmentForce>(forces[0]).motion_sequence, 5U);
-  EXPECT_EQ(std::get<wire::EnvironmentForce>(forces[0]).motions_received, 5U);
-  EXPECT_EQ(std::get<wire::EnvironmentForce>(forces[1]).session, second);
-  EXPECT_EQ(server->counters().motions_superseded, 4U);
-  server->answer_waiting();
-  EXPECT_TRUE(answers().empty());
-}
-
-TEST_F(ServerTest, AMotionWhoseSessionEndedWhileItWaitedIsNotAnswered) {
-  const auto session = join();
-  wire::Codec codec;
-  server->receive(codec.encode(motion(session, 1)), {.address = address(1)}, clock.time);
-  server->receive(codec.encode(wire::Bye{.session = session}), {.address = address(1)}, clock.time);
-  EXPECT_EQ(only_answer<wire::Bye>().motions_received, 1U);
-  server->answer_waiting();
-  EXPECT_TRUE(answers().empty());
 }
 
 }  // namespace
