@@ -47,7 +47,7 @@ Options with(const std::vector<const char*>& more) {
 
 TEST(ClientOptions, ServeAPageOnlyIfAsked) {
   EXPECT_FALSE(with({}).page.has_value());
-  EXPECT_EQ(with({"--page"}).page->port, page::kPort);
+  EXPECT_EQ(with({"--page"}).page->port, page::kClientPort);
   EXPECT_EQ(with({"--page"}).page->host, "127.0.0.1");
   EXPECT_EQ(with({"--page", "5000"}).page->port, 5000);
   EXPECT_EQ(with({"--page", "0.0.0.0:5000"}).page->host, "0.0.0.0");
