@@ -100,10 +100,12 @@ target_precompile_headers(forcebound_test_headers PRIVATE
 # source of a folder. It is one CTest, or N that share its tests. Tests see the source root, for "tests/support/...".
 # With FORCEBOUND_UNITY its sources are compiled together, so none of them may use another's name for something else.
 # SERIAL: nothing else runs beside it, for tests in real time. The label `long` keeps a test out of deploy/test unless
-# --long is given; `threads` and `process` run it under ThreadSanitizer as well, `studies` under no sanitizer. Of those
-# with the label `process` one runs at a time: the clients of two would fill all processors with threads of real time,
-# and leave none for their servers. SLOW_CASES are patterns of GoogleTest's names: without FORCEBOUND_SLOW_CASES these
-# are left out. They take minutes under sanitizers, and repeat for many ticks what other cases run there too.
+# --long is given. The gate (.ci/run) runs a test without a label under AddressSanitizer, `threads` under
+# ThreadSanitizer too, `numbers`, whose results an optimiser could change, in its optimised build too, `process` there
+# and under ThreadSanitizer, `studies` there alone. Of those with the label `process` one runs at a time: the clients of
+# two would fill all processors with threads of real time, and leave none for their servers. SLOW_CASES are patterns of
+# GoogleTest's names: without FORCEBOUND_SLOW_CASES these are left out. They take minutes under sanitizers, and repeat for
+# many ticks what other cases run there too.
 function(forcebound_test name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "SERIAL" "FOLDER;TIMEOUT;SHARDS" "SOURCES;LINK;LABELS;PROPERTIES;SLOW_CASES")
   if(NOT arg_TIMEOUT)

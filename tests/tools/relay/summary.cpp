@@ -24,7 +24,8 @@ text::Table totals(const Relay& relay) {
   add("lost", up.lost, down.lost);
   add("duplicated", up.duplicated, down.duplicated);
   add("corrupted", up.corrupted, down.corrupted);
-  add("reordered", up.reordered, down.reordered);
+  // By netem's `reorder`; packets that jitter puts out of order are delayed like others.
+  add("sent ahead", up.reordered, down.reordered);
   add("over limit", up.over_limit, down.over_limit);
   add("blackout", up.blackout, down.blackout);
   add("waiting", relay.impairment(Direction::up).waiting(), relay.impairment(Direction::down).waiting());
