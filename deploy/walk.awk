@@ -2,7 +2,7 @@
 function emit(line, kind, text) { printf "%s:%d\t%s\t%s\n", page, line, kind, text }
 function is_command(text) {
   sub(/^([A-Z_]+=[^ ]+ )+/, "", text)
-  return text ~ /^(\.\/)?forcebound-(server|client|relay|lab)( |$)/ || text ~ /^deploy\/[a-z]/ ||
+  return text ~ /^(\.\/)?forcebound(-(server|client|relay|lab))?( |$)/ || text ~ /^deploy\/[a-z]/ ||
          text ~ /^(cmake|ctest|apt-get|man|systemctl|podman|kubectl|python3|cd|export) /
 }
 # Columns, before any comment.
@@ -37,7 +37,7 @@ command != "" {
   count = split($0, spans, "`")
   for (i = 2; i < count; i += 2) {
     if (spans[i] ~ /^deploy\/[a-z]/) emit(FNR, "text", spans[i])
-    else if (spans[i] ~ /^(\.\/)?forcebound-(server|client|relay|lab) /) emit(FNR, "name", spans[i])
+    else if (spans[i] ~ /^(\.\/)?forcebound(-(server|client|relay|lab))? /) emit(FNR, "name", spans[i])
   }
 }
 END { if (file != "") emit(begun, "file " file, text) }

@@ -14,7 +14,7 @@ function(forcebound_man_pages)
     message(STATUS "Without help2man: no manual pages (Debian: apt-get install help2man)")
     return()
   endif()
-  set(programs)
+  set(programs $<TARGET_FILE:forcebound>)
   foreach(name client server relay lab)
     list(APPEND programs $<TARGET_FILE:forcebound-${name}>)
   endforeach()
@@ -31,8 +31,8 @@ endfunction()
 # The rest of what a user of the programs gets.
 function(forcebound_install_data)
   set(packaging ${PROJECT_SOURCE_DIR}/deploy/packaging)
-  foreach(name client server relay lab)
-    install(FILES ${packaging}/completion.bash RENAME forcebound-${name}
+  foreach(name forcebound forcebound-client forcebound-server forcebound-relay forcebound-lab)
+    install(FILES ${packaging}/completion.bash RENAME ${name}
             DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT programs)
   endforeach()
   install(FILES ${packaging}/completion.zsh RENAME _forcebound
@@ -74,8 +74,9 @@ set(CPACK_DEBIAN_PROGRAMS_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/deploy/pac
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_RECOMMENDS gnuplot-nox)
 set(CPACK_COMPONENT_PROGRAMS_DESCRIPTION
 " A client beside a haptic device, a server that simulates the virtual
- environment, a relay that emulates a bad network between them, and a
- laboratory of experiments and measurements.")
+ environment, a relay that emulates a bad network between them, tools of every
+ day for devices, networks, keys and recordings, and a laboratory of
+ experiments.")
 
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libforcebound-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)

@@ -98,13 +98,17 @@ function(forcebound_library name)
   endif()
 endfunction()
 
-# forcebound_program(NAME FOLDER folder [LINK ...]): the executable NAME of FOLDER's main.cpp, in bin/ of the build tree,
-# installed. The folder's other sources are the library NAME_app, for tests without a process.
+# forcebound_program(NAME FOLDER folder [WITHOUT ...] [LINK ...]): the executable NAME of FOLDER's main.cpp, in bin/ of the
+# build tree, installed. The folder's other sources are the library NAME_app, for tests without a process; those of the
+# folders below it that WITHOUT names are libraries of their own.
 function(forcebound_program name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "FOLDER" "LINK")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "FOLDER" "WITHOUT;LINK")
   forcebound_folder(${name} "${arg_FOLDER}" root folder)
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${root}/${folder}/*.cpp)
   list(REMOVE_ITEM sources ${root}/${folder}/main.cpp)
+  foreach(other IN LISTS arg_WITHOUT)
+    list(FILTER sources EXCLUDE REGEX "^${root}/${folder}/${other}/")
+  endforeach()
   string(REPLACE "-" "_" app ${name}_app)
   add_library(${app} STATIC ${sources})
   forcebound_compile_together(${app})

@@ -1,21 +1,22 @@
 # Completion of Forcebound's programs in bash. What there is to complete is read from the program's --help, so that it is
 # always the program's own: commands, options, and the names that a section "Laws (--law):" lists for an option.
 
-# Sets `help` to the text of --help of the command on the line.
+# Sets `help` to the text of --help of the command on the line: `forcebound COMMAND`, `forcebound lab COMMAND`,
+# `forcebound-lab COMMAND`; and `depth` to how many words that is at most, the program's aside.
 _forcebound_help() {
   local word
-  help=
+  local -a command=()
+  depth=1
+  if [[ ${words[1]} == lab ]]; then depth=2; fi
   for word in "${words[@]:1:cword-1}"; do
-    if [[ $1 == *forcebound-lab && $word == [a-z]* ]]; then
-      help=$("$1" "$word" --help 2>/dev/null)
-      break
-    fi
+    [[ $word == [a-z]* ]] && ((${#command[@]} < depth)) || break
+    command+=("$word")
   done
-  [[ -n $help ]] || help=$("$1" --help 2>/dev/null)
+  help=$("$1" "${command[@]}" --help 2>/dev/null) || help=$("$1" --help 2>/dev/null)
 }
 
 _forcebound() {
-  local cur prev words cword help type names
+  local cur prev words cword help depth type names
   _init_completion -n : || return
   _forcebound_help "$1"
 
@@ -42,7 +43,7 @@ _forcebound() {
 
   if [[ $cur == -* ]]; then
     mapfile -t COMPREPLY < <(compgen -W "$(sed -n 's/^  \(-[a-z],\)\{0,1\}\(--[a-z-]*\).*/\2/p' <<<"$help")" -- "$cur")
-  elif ((cword == 1)); then
+  elif ((cword <= depth)) && [[ $help == *Subcommands:* ]]; then
     mapfile -t COMPREPLY < <(compgen -W \
       "$(sed -n '/^Subcommands:/,/^$/s/^  \([a-z][a-z-]*\)\( .*\)\{0,1\}$/\1/p' <<<"$help")" -- "$cur")
   else
@@ -50,4 +51,4 @@ _forcebound() {
   fi
 }
 
-complete -F _forcebound forcebound-client forcebound-server forcebound-relay forcebound-lab
+complete -F _forcebound forcebound forcebound-client forcebound-server forcebound-relay forcebound-lab

@@ -101,7 +101,10 @@ TEST(IncludeRule, KeepsTestCodeOutOfProgramsAndTools) {
   EXPECT_THAT(
       only_violation("client/forcebound/client/app/main.cpp", "#include \"tests/tools/sim/virtual_clock.hpp\"\n"),
       HasSubstr("must not include"));
-  EXPECT_THAT(only_violation("tests/tools/lab/table.cpp", "#include \"tests/support/process.hpp\"\n"),
+  EXPECT_THAT(only_violation("client/forcebound/client/commands/identify/guide.cpp",
+                             "#include \"tests/tools/lab/identification/study.hpp\"\n"),
+              HasSubstr("must not include"));
+  EXPECT_THAT(only_violation("tests/tools/lab/reproduce.cpp", "#include \"tests/support/process.hpp\"\n"),
               HasSubstr("must not include"));
   EXPECT_THAT(violations("tests/unit/record/x_test.cpp", "#include \"tests/support/process.hpp\"\n"), IsEmpty());
 }
@@ -111,14 +114,12 @@ TEST(IncludeRule, KeepsTheEmulatedNetworkApartFromTheSimulator) {
               HasSubstr("must not include"));
 }
 
-TEST(IncludeRule, KeepsWhatTheLabMeasuresApartFromItsCommandsAndFigures) {
-  const auto measures = [](std::string_view line) {
-    return only_violation("tests/tools/lab/measures/marks.cpp", line);
-  };
-  EXPECT_THAT(measures("#include \"tests/tools/lab/option_checks.hpp\"\n"), HasSubstr("must not include"));
-  EXPECT_THAT(measures("#include \"tests/tools/lab/figures/draw.hpp\"\n"), HasSubstr("must not include"));
+TEST(IncludeRule, KeepsTheLabsTrialsApartFromItsStudies) {
+  const auto trials = [](std::string_view line) { return only_violation("tests/tools/lab/trials/task.cpp", line); };
+  EXPECT_THAT(trials("#include \"tests/tools/lab/commands.hpp\"\n"), HasSubstr("must not include"));
+  EXPECT_THAT(trials("#include \"tests/tools/lab/comparison/trial.hpp\"\n"), HasSubstr("must not include"));
   EXPECT_THAT(
-      only_violation("tests/tools/lab/accuracy/along.cpp", "#include \"tests/tools/lab/comparison/task.hpp\"\n"),
+      only_violation("tests/tools/lab/accuracy/along.cpp", "#include \"tests/tools/lab/comparison/trial.hpp\"\n"),
       HasSubstr("must not include"));
 }
 

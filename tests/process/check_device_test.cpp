@@ -25,7 +25,7 @@ class CheckDevice {
     const DriversForTests drivers;
     Words words{"check-device", "--device", device, "--json", folder_.file("checks.json")};
     words.insert(words.end(), more.begin(), more.end());
-    ran_ = run(kLab, words, 300s);
+    ran_ = run(kForcebound, words, 300s);
     const std::string json = content(folder_.file("checks.json"));
     checks_ = nlohmann::json::parse(json, nullptr, false);
   }
@@ -170,10 +170,10 @@ TEST(CheckDeviceCommand, RefusesToGuideNobody) {
 TEST(CheckDeviceCommand, EndsWithZeroForceOnASignal) {
   const DriversForTests drivers;
   const TemporaryFolder folder;
-  Process lab(kLab, {"check-device", "--device", "faulty", "--json", folder.file("checks.json")});
-  ASSERT_TRUE(lab.wait_for("let nobody touch it"));
-  EXPECT_EQ(lab.stop(), 1) << lab.err();
-  EXPECT_THAT(lab.out() + lab.err(), Not(HasSubstr("calls")));
+  Process check(kForcebound, {"check-device", "--device", "faulty", "--json", folder.file("checks.json")});
+  ASSERT_TRUE(check.wait_for("let nobody touch it"));
+  EXPECT_EQ(check.stop(), 1) << check.err();
+  EXPECT_THAT(check.out() + check.err(), Not(HasSubstr("calls")));
 }
 
 /// The command at a terminal, and a person at the device.
@@ -182,7 +182,7 @@ class GuidedCheckDevice {
   explicit GuidedCheckDevice(const std::string& fault)
       : lab_("/usr/bin/script",
              {"--quiet", "--return", "--command",
-              std::string(kLab) + " check-device --guided --device faulty:fault=" + fault +
+              std::string(kForcebound) + " check-device --guided --device faulty:fault=" + fault +
                   ",control=" + folder_.path().string() + " --json " + folder_.file("checks.json"),
               "/dev/null"},
              Process::Input::pipe) {}

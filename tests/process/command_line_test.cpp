@@ -1,11 +1,15 @@
 #include <gmock/gmock.h>
 
+#include <cstdlib>
+#include <filesystem>
+
 #include "tests/process/programs.hpp"
 
 namespace forcebound::test {
 namespace {
 
 using namespace std::chrono_literals;
+using testing::EndsWith;
 using testing::HasSubstr;
 using testing::StartsWith;
 
@@ -18,7 +22,8 @@ struct Program {
 const std::vector<Program> kPrograms{{kServer, "forcebound-server"},
                                      {kRelay, "forcebound-relay"},
                                      {kClient, "forcebound-client"},
-                                     {kLab, "forcebound-lab"}};
+                                     {kLab, "forcebound-lab"},
+                                     {kForcebound, "forcebound"}};
 
 TEST(EveryProgram, PrintsItsHelp) {
   for (const Program& program : kPrograms) {
@@ -207,27 +212,9 @@ TEST(TheClient, TellsOfALawWithoutAServer) {
 }
 
 TEST(TheLab, RefusesWhatItCannotUseInOneLine) {
-  const TemporaryFolder folder;
-  const std::string laws = folder.file("laws.toml");
-  write_file(laws, "[fba-more]\nmemory = 1\n");
-  const std::string recording = folder.file("bad.mcap");
-  write_file(recording, "hello");
-  const std::string rows = folder.file("rows.csv");
-  write_file(rows, "time_s,x0_m,fe0_N\n0,0,0\n0.001,here,0\n");
-  const Words replay{"replay", "--law", "fba-more", "--damping", "30", "--input", rows};
-  const auto with = [&](const Words& more) {
-    Words words = replay;
-    words.insert(words.end(), more.begin(), more.end());
-    return words;
-  };
   expect_refusals(kPrograms[3], {},
                   {{{}, 2, {"command is required", "--help"}},
                    {{"dance"}, 2, {"unknown command 'dance'", "trials"}},
-                   {{"tabel"}, 2, {"did you mean 'table'?"}},
-                   {{"report", recording}, 1, {recording, "byte 0", "not an MCAP file"}},
-                   {{"report", "/no/such/run.mcap"}, 1, {"/no/such/run.mcap", "No such file"}},
-                   {{"report"}, 2, {"RECORDING is required", "forcebound-lab report --help"}},
-                   {{"table", recording}, 1, {recording, "not an MCAP file"}},
                    {{"reproduce", "spere"}, 2, {"'spere', did you mean 'sphere'?", "wall, delay, circle, sphere, all"}},
                    {{"reproduce", "wall", "--json", "/no/such/runs.json"}, 1, {"/no/such/runs.json"}},
                    {{"violations", "--seeds", "0"}, 2, {"--seeds", "whole number from 1", "got '0'"}},
@@ -236,14 +223,6 @@ TEST(TheLab, RefusesWhatItCannotUseInOneLine) {
                    {{"soak", "--law", "fba-exac"}, 2, {"--law", "'fba-exac', did you mean 'fba-exact'?"}},
                    {{"passivity", "--seconds", "-1"}, 2, {"--seconds", "above 0", "'-1'"}},
                    {{"passivity", "--csv", "/no/such/leaks.csv"}, 1, {"/no/such/leaks.csv", "No such file"}},
-                   {{"replay"}, 2, {"--law", "required"}},
-                   {{"replay", "--bogus"}, 2, {"--bogus"}},
-                   {with({"--damping-matrix", "1,x"}), 2, {"--damping-matrix", "'x'"}},
-                   {with({"--law-parameters", laws}), 1, {laws + ":2: ", "law 'fba-more'", "no parameter 'memory'"}},
-                   {with({"--period", "0"}), 2, {"--period", "> 0", "0"}},
-                   {with({"--output", "/no/such/out.csv"}), 1, {"/no/such/out.csv"}},
-                   {with({"--encoder", "1,x"}), 2, {"--encoder", "'x'"}},
-                   {with({"--hold", "long"}), 2, {"--hold: must be a number such as", "'long'"}},
                    {{"trials", "spere"}, 2, {"SCENE", "'spere'", "'sphere'"}},
                    {{"trials", "/no/such/scene.toml"}, 1, {"/no/such/scene.toml", "No such file"}},
                    {{"trials", "--device", "omny"}, 2, {"--device", "'omny'", "'omni'"}},
@@ -253,8 +232,6 @@ TEST(TheLab, RefusesWhatItCannotUseInOneLine) {
                    {{"trials", "--laws", "none,fba"}, 2, {"--laws", "'fba'"}},
                    {{"trials", "--seed", "-1"}, 2, {"--seed", "'-1'"}},
                    {{"trials", "--live", "/no/such.json"}, 1, {"/no/such.json", "No such file"}},
-                   {{"table"}, 2, {"RUN is required"}},
-                   {{"table", "/no/such.json"}, 1, {"/no/such.json: cannot be read: No such file"}},
                    {{"bench"}, 2, {"RESULTS is required"}},
                    {{"compare", "--scenes", "spere"}, 2, {"--scenes", "'spere'", "'sphere'"}},
                    {{"compare", "--network", "delay soon"}, 2, {"--network", "'soon'"}},
@@ -263,14 +240,6 @@ TEST(TheLab, RefusesWhatItCannotUseInOneLine) {
                    {{"compare", "--delays", "-1"}, 2, {"--delays", "'-1'"}},
                    {{"compare", "--seeds", "0"}, 2, {"--seeds", "'0'"}},
                    {{"compare", "--effort", "many"}, 2, {"--effort", "'many'"}},
-                   {{"doctor"}, 2, {"--server", "required"}},
-                   {{"doctor", "--server", "here"}, 2, {"--server", "'here'"}},
-                   {{"doctor", "--server", "127.0.0.1:0"}, 2, {"--server", "'127.0.0.1:0'", "1 to 65535"}},
-                   {{"doctor", "--server", "no-such-host.invalid:1"}, 1, {"host 'no-such-host.invalid'"}},
-                   {{"doctor", "--server", kNowhere, "--seconds", "0"}, 2, {"--seconds", "0.1 to 60", "'0'"}},
-                   {{"doctor", "--server", kNowhere, "--seconds", "nan"}, 2, {"--seconds", "'nan'"}},
-                   {{"doctor", "--server", kNowhere, "--json", ""}, 2, {"--json", "must not be empty"}},
-                   {{"doctor", "--server", kNowhere, "--json", "/no/such/found.json"}, 1, {"/no/such/found.json"}},
                    {{"load"}, 2, {"--server", "required"}},
                    {{"load", "--server", "here"}, 2, {"--server", "'here'"}},
                    {{"load", "--server", "x"}, 2, {"--server", "'x'", "127.0.0.1:47800"}},
@@ -294,14 +263,92 @@ TEST(TheLab, RefusesWhatItCannotUseInOneLine) {
                    {{"accuracy", "sphere", "--motion", "wave"}, 2, {"--motion", "'wave'", "press, slide"}},
                    {{"accuracy", "sphere", "--sweep", "foo=1"}, 2, {"--sweep", "'foo'", "law, hold_ms", "have dots"}},
                    {{"accuracy", "sphere", "--sweep", "object.foo.x=1"}, 2, {"--sweep", "'foo'"}},
-                   {{"accuracy", "sphere", "--set", "foo.bar=1"}, 2, {"--set", "'foo'"}}});
+                   {{"accuracy", "sphere", "--set", "foo.bar=1"}, 2, {"--set", "'foo'"}},
+                   {{"identification", "--devices", "0"}, 2, {"--devices", "1 to 1000000", "'0'"}}});
+}
+
+TEST(Forcebound, RefusesWhatItCannotUseInOneLine) {
+  const TemporaryFolder folder;
+  const std::string laws = folder.file("laws.toml");
+  write_file(laws, "[fba-more]\nmemory = 1\n");
+  const std::string recording = folder.file("bad.mcap");
+  write_file(recording, "hello");
+  const std::string rows = folder.file("rows.csv");
+  write_file(rows, "time_s,x0_m,fe0_N\n0,0,0\n0.001,here,0\n");
+  const Words replay{"replay", "--law", "fba-more", "--damping", "30", "--input", rows};
+  const auto with = [&](const Words& more) {
+    Words words = replay;
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  };
+  expect_refusals(kPrograms[4], {},
+                  {{{}, 2, {"command is required", "--help"}},
+                   {{"dance"}, 2, {"unknown command 'dance'", "report", "client", "keygen"}},
+                   {{"tabel"}, 2, {"did you mean 'table'?"}},
+                   {{"report", recording}, 1, {recording, "byte 0", "not an MCAP file"}},
+                   {{"report", "/no/such/run.mcap"}, 1, {"/no/such/run.mcap", "No such file"}},
+                   {{"report"}, 2, {"RECORDING is required", "forcebound report --help"}},
+                   {{"table", recording}, 1, {recording, "not an MCAP file"}},
+                   {{"replay"}, 2, {"--law", "required"}},
+                   {{"replay", "--bogus"}, 2, {"--bogus"}},
+                   {with({"--damping-matrix", "1,x"}), 2, {"--damping-matrix", "'x'"}},
+                   {with({"--law-parameters", laws}), 1, {laws + ":2: ", "law 'fba-more'", "no parameter 'memory'"}},
+                   {with({"--period", "0"}), 2, {"--period", "> 0", "0"}},
+                   {with({"--output", "/no/such/out.csv"}), 1, {"/no/such/out.csv"}},
+                   {with({"--encoder", "1,x"}), 2, {"--encoder", "'x'"}},
+                   {with({"--hold", "long"}), 2, {"--hold: must be a number such as", "'long'"}},
+                   {{"table"}, 2, {"RUN is required"}},
+                   {{"table", "/no/such.json"}, 1, {"/no/such.json: cannot be read: No such file"}},
+                   {{"doctor"}, 2, {"--server", "required"}},
+                   {{"doctor", "--server", "here"}, 2, {"--server", "'here'"}},
+                   {{"doctor", "--server", "127.0.0.1:0"}, 2, {"--server", "'127.0.0.1:0'", "1 to 65535"}},
+                   {{"doctor", "--server", "no-such-host.invalid:1"}, 1, {"host 'no-such-host.invalid'"}},
+                   {{"doctor", "--server", kNowhere, "--seconds", "0"}, 2, {"--seconds", "0.1 to 60", "'0'"}},
+                   {{"doctor", "--server", kNowhere, "--seconds", "nan"}, 2, {"--seconds", "'nan'"}},
+                   {{"doctor", "--server", kNowhere, "--json", ""}, 2, {"--json", "must not be empty"}},
+                   {{"doctor", "--server", kNowhere, "--json", "/no/such/found.json"}, 1, {"/no/such/found.json"}},
+                   {{"identify"}, 2, {"--device", "required"}},
+                   {{"identify", "--device", "omny"}, 2, {"'omny'", "'omni'"}},
+                   {{"clint"}, 2, {"unknown command 'clint'", "did you mean 'client'?"}}});
   // The rows before the bad one are answered.
-  const Ran ran = run(kLab, replay);
+  const Ran ran = run(kForcebound, replay);
   EXPECT_EQ(ran.exit_code, 1);
   EXPECT_EQ(lines(ran.out), 2U) << ran.out;
   EXPECT_EQ(lines(ran.err), 1U) << ran.err;
   EXPECT_THAT(ran.err, HasSubstr(rows + ":3: "));
   EXPECT_THAT(ran.err, HasSubstr("'here'"));
+}
+
+TEST(Forcebound, RunsTheOtherProgramsWithTheirOwnWordsAndExitCodes) {
+  for (std::size_t i = 0; i < 4; ++i) {
+    const std::string name = kPrograms[i].name;
+    const std::string command = name.substr(name.find('-') + 1);
+    EXPECT_EQ(run(kForcebound, {command, "--version"}).out, name + " " + FORCEBOUND_VERSION + "\n");
+    const Ran refused = run(kForcebound, {command, "--bogus"});
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_THAT(refused.err, StartsWith(name + ": unknown option '--bogus'"));
+  }
+}
+
+TEST(Forcebound, FindsTheOtherProgramsOnThePathAndSaysWhereItLooked) {
+  const TemporaryFolder here;
+  const TemporaryFolder on_path;
+  namespace fs = std::filesystem;
+  fs::copy_file(kForcebound, here.path() / "forcebound");
+  const std::string path = std::getenv("PATH");
+  ::setenv("PATH", on_path.path().c_str(), 1);
+  const Ran missing = run((here.path() / "forcebound").c_str(), {"relay", "--version"});
+  write_file(on_path.file("forcebound-relay"), "#!/bin/sh\necho \"$0 $*\"\n");
+  fs::permissions(on_path.file("forcebound-relay"), fs::perms::owner_all);
+  const Ran found = run((here.path() / "forcebound").c_str(), {"relay", "one", "two words"});
+  ::setenv("PATH", path.c_str(), 1);
+  EXPECT_EQ(missing.exit_code, 1);
+  EXPECT_EQ(lines(missing.err), 1U) << missing.err;
+  EXPECT_THAT(missing.err, StartsWith("forcebound: forcebound-relay: No such file or directory"));
+  EXPECT_THAT(missing.err, HasSubstr(here.path().string()));
+  EXPECT_THAT(missing.err, HasSubstr("on PATH"));
+  EXPECT_EQ(found.exit_code, 0) << found.err;
+  EXPECT_THAT(found.out, EndsWith("forcebound-relay one two words\n"));
 }
 
 }  // namespace

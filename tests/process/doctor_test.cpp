@@ -23,7 +23,7 @@ Examined examined(const std::string& server, const Words& words) {
   const TemporaryFolder folder;
   Words all{"doctor", "--server", server, "--json", folder.file("found.json")};
   all.insert(all.end(), words.begin(), words.end());
-  Examined result{.ran = run(kLab, all), .found = {}};
+  Examined result{.ran = run(kForcebound, all), .found = {}};
   result.found = nlohmann::json::parse(content(folder.file("found.json")), nullptr, false);
   return result;
 }
@@ -39,7 +39,7 @@ Examined examined_whole(const std::string& server, const Words& words) {
   }
 }
 
-TEST(LabDoctor, ExaminesTheWayToARealServerAndThisMachine) {
+TEST(Doctor, ExaminesTheWayToARealServerAndThisMachine) {
   Server server({"--scene", "sphere"});
   const Examined here = examined_whole(server.address(), {"--seconds", "1"});
   ASSERT_EQ(here.ran.exit_code, 0) << here.ran.err;
@@ -78,7 +78,7 @@ TEST(LabDoctor, ExaminesTheWayToARealServerAndThisMachine) {
 }
 
 //   doctor ==( 20 ms each way; 20 % lost up, none down )== server
-TEST(LabDoctor, FindsTheDelayOfARelayAndOnWhichWayItLoses) {
+TEST(Doctor, FindsTheDelayOfARelayAndOnWhichWayItLoses) {
   Server server({"--scene", "sphere"});
   Relay relay(server.address(), {"--netem-up", "delay 20ms loss 20%", "--netem-down", "delay 20ms", "--seed", "7"});
   const Examined far = examined_whole(relay.address(), {"--seconds", "3"});
@@ -97,7 +97,7 @@ TEST(LabDoctor, FindsTheDelayOfARelayAndOnWhichWayItLoses) {
   EXPECT_THAT(far.ran.out, HasSubstr("What to change first"));
 }
 
-TEST(LabDoctor, TakesTheDegreesOfFreedomOfTheScene) {
+TEST(Doctor, TakesTheDegreesOfFreedomOfTheScene) {
   Server server({"--scene", "circle"});
   const Examined flat = examined(server.address(), {"--seconds", "0.3"});
   ASSERT_EQ(flat.ran.exit_code, 0) << flat.ran.err;
@@ -105,7 +105,7 @@ TEST(LabDoctor, TakesTheDegreesOfFreedomOfTheScene) {
   EXPECT_EQ(flat.found["handshake"]["scene"], "circle");
 }
 
-TEST(LabDoctor, PassesOnWhyTheServerRefuses) {
+TEST(Doctor, PassesOnWhyTheServerRefuses) {
   Server server({"--scene", "sphere"});
   const Examined refused = examined(server.address(), {"--scene", "spere", "--seconds", "0.3"});
   EXPECT_EQ(refused.ran.exit_code, 1);
@@ -114,12 +114,12 @@ TEST(LabDoctor, PassesOnWhyTheServerRefuses) {
   EXPECT_THAT(refused.ran.err, AllOf(HasSubstr("refused: "), HasSubstr("'spere'"), HasSubstr("'sphere'")));
 }
 
-TEST(LabDoctor, FailsWithoutAServer) {
-  const Ran lab = run(kLab, {"doctor", "--server", free_address(), "--seconds", "0.3"});
-  EXPECT_EQ(lab.exit_code, 1);
-  EXPECT_EQ(lab.out, "");
-  EXPECT_EQ(lines(lab.err), 1U) << lab.err;
-  EXPECT_THAT(lab.err, AllOf(HasSubstr("no answer from 127.0.0.1:"), HasSubstr("port unreachable (ICMP)")));
+TEST(Doctor, FailsWithoutAServer) {
+  const Ran doctor = run(kForcebound, {"doctor", "--server", free_address(), "--seconds", "0.3"});
+  EXPECT_EQ(doctor.exit_code, 1);
+  EXPECT_EQ(doctor.out, "");
+  EXPECT_EQ(lines(doctor.err), 1U) << doctor.err;
+  EXPECT_THAT(doctor.err, AllOf(HasSubstr("no answer from 127.0.0.1:"), HasSubstr("port unreachable (ICMP)")));
 }
 
 }  // namespace

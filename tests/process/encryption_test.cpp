@@ -44,7 +44,7 @@ class Encryption : public testing::Test {
  protected:
   /// @return the public key
   std::string new_pair(const std::string& name) const {
-    const Ran ran = run(kLab, {"keygen", file(name)});
+    const Ran ran = run(kForcebound, {"keygen", file(name)});
     EXPECT_EQ(ran.exit_code, 0) << ran.err;
     const std::string_view before = "public key, for others: ";
     const std::size_t at = ran.out.find(before);
@@ -52,7 +52,7 @@ class Encryption : public testing::Test {
   }
 
   void new_shared(const std::string& name) const {
-    EXPECT_EQ(run(kLab, {"keygen", file(name), "--shared"}).exit_code, 0);
+    EXPECT_EQ(run(kForcebound, {"keygen", file(name), "--shared"}).exit_code, 0);
   }
 
   void allow(const std::string& name, const std::string& key, const std::string& more = "") const {
@@ -328,7 +328,7 @@ TEST_F(Encryption, IsForDoctorAndLoadToo) {
   allow("anna", new_pair("client.key"));
   Server server({"--scene", "sphere", "--key", file("server.key"), "--clients", file("clients.toml")});
   const Words keys{"--server", server.address(), "--key", file("client.key"), "--server-key", server_key};
-  const Ran doctor = run(kLab, with({"doctor", "--seconds", "1"}, keys));
+  const Ran doctor = run(kForcebound, with({"doctor", "--seconds", "1"}, keys));
   EXPECT_EQ(doctor.exit_code, 0) << doctor.err;
   const Ran load = run(kLab, with({"load", "--clients", "3", "--seconds", "1"}, keys));
   EXPECT_EQ(load.exit_code, 0) << load.err;

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <sstream>
 
@@ -12,6 +13,9 @@ namespace forcebound::test {
 namespace {
 
 using namespace std::chrono_literals;
+
+/// Commands of `forcebound` that are programs of their own.
+constexpr std::array kProgramCommands{"client", "server", "relay", "lab"};
 
 /// The names that a program's help lists below "Subcommands:".
 std::vector<std::string> subcommands_in(const std::string& help) {
@@ -91,7 +95,7 @@ void expect_common_style(const std::string& help) {
 }
 
 TEST(Help, OfEveryProgramAndSubcommandFitsEightyColumnsInTheCommonStyle) {
-  for (const char* const program : {kServer, kClient, kRelay, kLab}) {
+  for (const char* const program : {kForcebound, kServer, kClient, kRelay, kLab}) {
     SCOPED_TRACE(program);
     const Ran ran = run(program, {"--help"}, 10s);
     EXPECT_EQ(ran.exit_code, 0);
@@ -99,13 +103,16 @@ TEST(Help, OfEveryProgramAndSubcommandFitsEightyColumnsInTheCommonStyle) {
     expect_common_style(ran.out);
     EXPECT_THAT(ran.out, testing::HasSubstr("print the version and end"));
     const auto subcommands = subcommands_in(ran.out);
-    EXPECT_EQ(subcommands.empty(), program != kLab);
+    EXPECT_EQ(subcommands.empty(), program != kForcebound && program != kLab);
+    const std::string name = std::filesystem::path(program).filename().string();
     for (const std::string& subcommand : subcommands) {
       SCOPED_TRACE(subcommand);
       const Ran of = run(program, {subcommand, "--help"}, 10s);
       EXPECT_EQ(of.exit_code, 0);
       expect_common_style(of.out);
-      EXPECT_THAT(of.out, testing::HasSubstr("  forcebound-lab " + subcommand + " ")) << "an example of its own";
+      const bool is_program = std::ranges::find(kProgramCommands, subcommand) != kProgramCommands.end();
+      if (is_program) continue;
+      EXPECT_THAT(of.out, testing::HasSubstr("  " + name + " " + subcommand + " ")) << "an example of its own";
       EXPECT_THAT(of.out, testing::Not(testing::HasSubstr("Exit code"))) << "that is the whole program's";
       const bool draws = of.out.find("--figure") != std::string::npos;
       EXPECT_EQ(unwrapped(of.out).find("data and script go beside it") != std::string::npos, draws);
@@ -113,8 +120,16 @@ TEST(Help, OfEveryProgramAndSubcommandFitsEightyColumnsInTheCommonStyle) {
   }
 }
 
+TEST(Help, HasALineForEachCommandOfForcebound) {
+  const std::string help = run(kForcebound, {"--help"}, 10s).out;
+  const std::size_t begin = help.find("Subcommands:\n");
+  const std::size_t end = help.find("\n\n", begin);
+  ASSERT_NE(end, std::string::npos);
+  EXPECT_EQ(lines(help.substr(begin, end - begin)), subcommands_in(help).size()) << help;
+}
+
 TEST(Help, OfEveryLawFitsEightyColumns) {
-  const Ran help = run(kLab, {"replay", "--help"}, 10s);
+  const Ran help = run(kForcebound, {"replay", "--help"}, 10s);
   std::istringstream lines(help.out.substr(help.out.find("Laws:\n")));
   std::string line;
   std::getline(lines, line);
@@ -164,8 +179,8 @@ TEST(EveryCommand, PrintsWhatFitsEightyColumns) {
   for (const char* const scene : {"wall", "sphere", "palpation", "microsurgery"}) {
     expect_of(kServer, {"--scene", scene, "--explain"});
   }
-  expect_of(kLab, {"report", recording});
-  expect_of(kLab, {"table", recording, summary});
+  expect_of(kForcebound, {"report", recording});
+  expect_of(kForcebound, {"table", recording, summary});
   expect_of(kLab, {"reproduce", "wall"});
   expect_of(kLab, {"passivity", "--seeds", "1", "--seconds", "0.05"});
   expect_of(kLab, {"soak", "--seeds", "3"});

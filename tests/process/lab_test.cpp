@@ -10,24 +10,24 @@ namespace {
 using namespace std::chrono_literals;
 using testing::HasSubstr;
 
-TEST(LabReplay, AnswersEachRowAsItComesSoThatASimulatorCanCloseTheLoop) {
-  Process lab(kLab, {"replay", "--law", "fba-more", "--damping", "30", "--input", "-", "--output", "-"},
-              Process::Input::pipe);
-  lab.write("time_s,x0_m,fe0_N\n");
+TEST(Replay, AnswersEachRowAsItComesSoThatASimulatorCanCloseTheLoop) {
+  Process replay(kForcebound, {"replay", "--law", "fba-more", "--damping", "30", "--input", "-", "--output", "-"},
+                 Process::Input::pipe);
+  replay.write("time_s,x0_m,fe0_N\n");
   // The answer to a row is waited for before the next is written: a wall of 10 kN/m, entered at 0.1 m/s.
   constexpr int kRows = 50;
   for (int i = 0; i < kRows; ++i) {
     const double x = 1e-4 * i;
-    lab.write(std::to_string(1e-3 * i) + "," + std::to_string(x) + "," + std::to_string(-1e4 * x) + "\n");
+    replay.write(std::to_string(1e-3 * i) + "," + std::to_string(x) + "," + std::to_string(-1e4 * x) + "\n");
     const auto end = std::chrono::steady_clock::now() + 10s;
-    while (lines(lab.out()) < static_cast<std::size_t>(i) + 2 && std::chrono::steady_clock::now() < end) {
+    while (lines(replay.out()) < static_cast<std::size_t>(i) + 2 && std::chrono::steady_clock::now() < end) {
     }
-    ASSERT_EQ(lines(lab.out()), static_cast<std::size_t>(i) + 2) << "row " << i;
+    ASSERT_EQ(lines(replay.out()), static_cast<std::size_t>(i) + 2) << "row " << i;
   }
-  lab.close_input();
-  EXPECT_EQ(lab.wait(10s), 0);
-  EXPECT_THAT(lab.out(), testing::StartsWith("time_s,f0_N,energy_J,xi\n"));
-  EXPECT_EQ(lab.err(), "");
+  replay.close_input();
+  EXPECT_EQ(replay.wait(10s), 0);
+  EXPECT_THAT(replay.out(), testing::StartsWith("time_s,f0_N,energy_J,xi\n"));
+  EXPECT_EQ(replay.err(), "");
 }
 
 TEST(LabReproduce, WritesTheDocumentedKeysOfEachRunAndDrawsItsFigures) {

@@ -65,10 +65,10 @@ TEST_F(ForeignLocale, ChosenByADriverLeavesTheRecordingReadable) {
   const nlohmann::json summary = client.summary();
   ASSERT_TRUE(summary.is_object());
   EXPECT_GT(summary["duration_s"], 0.5);
-  const Ran report = run(kLab, {"report", recording});
+  const Ran report = run(kForcebound, {"report", recording});
   EXPECT_EQ(report.exit_code, 0);
   EXPECT_EQ(report.err, "");
-  EXPECT_EQ(run(kLab, {"table", recording}).err, "");
+  EXPECT_EQ(run(kForcebound, {"table", recording}).err, "");
 }
 
 // All that programs read and write as numbers: command lines, scenes with bodies (MuJoCo's XML), devices, words of the
@@ -93,7 +93,7 @@ TEST_F(ForeignLocale, ChangesNoNumberThatProgramsReadOrWrite) {
   EXPECT_EQ(client.wait(60s), client.expected_end()) << client.err();
   EXPECT_THAT(client.err(), Not(HasSubstr("not available")));
   EXPECT_NEAR(client.summary()["duration_s"].get<double>(), 1.5, 0.5);
-  const Ran report = run(kLab, {"report", recording, "--json", folder_.file("report.json")});
+  const Ran report = run(kForcebound, {"report", recording, "--json", folder_.file("report.json")});
   EXPECT_THAT(report.err, "");
   EXPECT_EQ(nlohmann::json::parse(content(folder_.file("report.json"))), client.summary());
   EXPECT_EQ(relay.stop(), 0);

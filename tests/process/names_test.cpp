@@ -129,7 +129,7 @@ TEST_F(NamesOfServers, LeadTheDoctorToTheAddressThatHasAServer) {
   Process server(kServer, {"--scene", "sphere", "--listen", "[::1]:" + port});
   if (!server.wait_for("listening on ")) GTEST_SKIP() << "this machine has no IPv6";
   lead_to({"127.0.0.1", "::1"});
-  const Words doctor{kLab, "doctor", "--server", "haptics.test:" + port, "--seconds", "0.3"};
+  const Words doctor{kForcebound, "doctor", "--server", "haptics.test:" + port, "--seconds", "0.3"};
   const Ran found = run("/usr/bin/unshare", in_namespace(doctor));
   EXPECT_EQ(found.exit_code, 0) << found.err;
   EXPECT_THAT(unwrapped(found.out), HasSubstr("Server haptics.test:" + port + " (at [::1]:" + port + ")"));

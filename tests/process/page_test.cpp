@@ -304,7 +304,7 @@ TEST(APage, BeginsAndEndsRecordingsOfWholeRuns) {
   // The summary is of the last run, and each run may have been late.
   EXPECT_THAT(client.stop(SIGINT), testing::AnyOf(testing::Optional(0), testing::Optional(3)));
   for (const std::string& recording : {file, third}) {
-    const Ran report = run(kLab, {"report", recording});
+    const Ran report = run(kForcebound, {"report", recording});
     EXPECT_EQ(report.exit_code, 0) << report.err;
     EXPECT_THAT(report.out, HasSubstr("fba-exact"));
   }
@@ -373,7 +373,7 @@ std::string recorded_in(const TemporaryFolder& folder) {
 TEST(APage, PlaysARecordingAndSeeksInIt) {
   const TemporaryFolder folder;
   const std::string file = recorded_in(folder);
-  Process view(kLab, {"view", file, "--page", "0"});
+  Process view(kForcebound, {"view", file, "--page", "0"});
   Viewer viewer(view);
   const json hello = viewer.wait_for("hello");
   EXPECT_EQ(hello["program"], "view");
@@ -397,16 +397,16 @@ TEST(APage, OfARecordingShowsWhatADamagedOneHasAndRefusesOthersInOneLine) {
   const TemporaryFolder folder;
   const std::string file = recorded_in(folder);
   std::filesystem::resize_file(file, std::filesystem::file_size(file) / 2);
-  Process view(kLab, {"view", file, "--page", "0"});
+  Process view(kForcebound, {"view", file, "--page", "0"});
   Viewer viewer(view);
   EXPECT_THAT(viewer.wait_for("event")["text"].get<std::string>(), HasSubstr("incomplete"));
   viewer.wait_for("ticks");
   EXPECT_THAT(view.err(), HasSubstr("incomplete"));
   EXPECT_EQ(view.stop(SIGINT), 0);
-  const Ran missing = run(kLab, {"view", folder.file("none.mcap")});
+  const Ran missing = run(kForcebound, {"view", folder.file("none.mcap")});
   EXPECT_EQ(missing.exit_code, 1);
   EXPECT_THAT(missing.err, HasSubstr("cannot be read"));
-  const Ran wrong = run(kLab, {"view", file, "--page", "no:port:at all"});
+  const Ran wrong = run(kForcebound, {"view", file, "--page", "no:port:at all"});
   EXPECT_EQ(wrong.exit_code, 2);
   EXPECT_THAT(wrong.err, HasSubstr("--page"));
 }

@@ -12,6 +12,7 @@
 
 namespace forcebound::test {
 
+const char* const kForcebound = FORCEBOUND;
 const char* const kServer = FORCEBOUND_SERVER;
 const char* const kClient = FORCEBOUND_CLIENT;
 const char* const kRelay = FORCEBOUND_RELAY;

@@ -14,6 +14,7 @@ namespace forcebound::test {
 
 using Words = std::vector<std::string>;
 
+extern const char* const kForcebound;
 extern const char* const kServer;
 extern const char* const kClient;
 extern const char* const kRelay;

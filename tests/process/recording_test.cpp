@@ -32,8 +32,8 @@ TEST(ARecording, GivesTheClientsSummaryAgainByteForByteAndItsFigure) {
   const TemporaryFolder folder;
   const std::string recording = folder.file("run.mcap");
   const auto client = record_run(recording);
-  const Ran report =
-      run(kLab, {"report", recording, "--json", folder.file("report.json"), "--figures", folder.file("figures")});
+  const Ran report = run(
+      kForcebound, {"report", recording, "--json", folder.file("report.json"), "--figures", folder.file("figures")});
   EXPECT_EQ(report.exit_code, 0) << report.err;
   EXPECT_EQ(report.err, "");
   EXPECT_EQ(content(folder.file("report.json")), client->summary_text());
@@ -50,7 +50,7 @@ TEST(ARecording, OfLocalRenderingGivesTheSummaryAgainToo) {
   const std::string recording = folder.file("run.mcap");
   const auto client = record_run(recording, "local");
   EXPECT_GT(client->summary()["rendering"]["at_client"].get<double>(), 0);
-  const Ran report = run(kLab, {"report", recording, "--json", folder.file("report.json")});
+  const Ran report = run(kForcebound, {"report", recording, "--json", folder.file("report.json")});
   EXPECT_EQ(report.exit_code, 0) << report.err;
   EXPECT_EQ(content(folder.file("report.json")), client->summary_text());
   EXPECT_THAT(report.out, StartsWith(client->out()));
@@ -102,15 +102,15 @@ TEST(ARecording, ShowsItsRunInFoxglovesPanel) {
 
 TEST(ARecording, OfAClientAndOfItsServerAreReportedTogetherInEitherOrder) {
   const BothRecordings both;
-  const Ran report = run(kLab, {"report", both.client, both.server});
+  const Ran report = run(kForcebound, {"report", both.client, both.server});
   EXPECT_EQ(report.exit_code, 0) << report.err;
   EXPECT_EQ(report.err, "");
   EXPECT_THAT(report.out, HasSubstr("Both ends: 1 session in both recordings"));
   EXPECT_THAT(report.out, HasSubstr("device.toml ("));
   EXPECT_THAT(report.out, HasSubstr("sphere.toml ("));
-  EXPECT_EQ(run(kLab, {"report", both.server, both.client}).out, report.out);
+  EXPECT_EQ(run(kForcebound, {"report", both.server, both.client}).out, report.out);
 
-  const Ran json = run(kLab, {"report", both.client, both.server, "--json", "-"});
+  const Ran json = run(kForcebound, {"report", both.client, both.server, "--json", "-"});
   const nlohmann::json results = nlohmann::json::parse(json.out)["both_ends"];
   EXPECT_EQ(results["forces"]["differ"], 0);
   const auto sent = results["motions"]["sent"].get<int>();
@@ -121,7 +121,7 @@ TEST(ARecording, OfAClientAndOfItsServerAreReportedTogetherInEitherOrder) {
   EXPECT_LT(answered, sent);  // and 5 % of the motions
   EXPECT_EQ(results["forces"]["received"], back);
   EXPECT_EQ(results["forces"]["sent"], answered);
-  const Ran twice = run(kLab, {"report", both.client, both.client});
+  const Ran twice = run(kForcebound, {"report", both.client, both.client});
   EXPECT_EQ(twice.exit_code, 1);
   EXPECT_THAT(twice.err, HasSubstr("both are of clients"));
 }
@@ -134,7 +134,7 @@ TEST(ARecording, OfAKilledClientLacksAtMostItsLastSecond) {
   ASSERT_TRUE(client.wait_for("connected"));
   std::this_thread::sleep_for(5s);
   client.stop(SIGKILL);
-  const Ran report = run(kLab, {"report", recording, "--json", folder.file("report.json")});
+  const Ran report = run(kForcebound, {"report", recording, "--json", folder.file("report.json")});
   EXPECT_EQ(report.exit_code, 0);
   EXPECT_THAT(report.err, StartsWith(recording + ": incomplete: it ends at byte "));
   EXPECT_THAT(report.err, EndsWith("; shown is what is whole\n"));

@@ -140,7 +140,7 @@ TEST(AService, TakesItsOptionsFromAFile) {
 TEST(AService, ThatReadsItsClientsAgainLetsThoseGoWhoAreNoMoreListed) {
   const TemporaryFolder folder;
   const auto key_of = [&](const std::string& name) {
-    const Ran ran = run(kLab, {"keygen", folder.file(name)});
+    const Ran ran = run(kForcebound, {"keygen", folder.file(name)});
     const std::string_view before = "public key, for others: ";
     return ran.out.substr(ran.out.find(before) + before.size(), 44);
   };
@@ -173,7 +173,7 @@ TEST(AService, SaysThatItReadsItsClientsAgainAndThenThatItIsReady) {
   const TemporaryFolder folder;
   const std::string key = folder.file("server.key");
   const std::string clients = folder.file("clients.toml");
-  ASSERT_EQ(run(kLab, {"keygen", key}).exit_code, 0);
+  ASSERT_EQ(run(kForcebound, {"keygen", key}).exit_code, 0);
   write_file(clients, "");
   Process server("/bin/bash", manager.started({"--key", key, "--clients", clients}));
   ASSERT_TRUE(manager.hears("READY=1"));

@@ -12,7 +12,7 @@ import pytest
 
 def folder() -> Path:
     installed = Path("/usr/share/doc/python3-forcebound/examples")
-    sources = Path(__file__).parents[1] / "tools/python/examples"
+    sources = Path(__file__).parents[2] / "client/python/examples"
     return Path(os.environ.get("FORCEBOUND_EXAMPLES", sources if sources.exists() else installed))
 
 

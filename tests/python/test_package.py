@@ -82,7 +82,7 @@ def test_a_module_of_another_python_is_an_import_error_that_says_so(tmp_path):
 def test_the_version_is_that_of_the_programs():
     from conftest import program
 
-    said = subprocess.run([program("forcebound-lab"), "--version"], capture_output=True, text=True, check=True).stdout
+    said = subprocess.run([program("forcebound"), "--version"], capture_output=True, text=True, check=True).stdout
     assert forcebound.__version__ in said
 
 
@@ -93,7 +93,7 @@ def test_no_module_changes_what_another_sees_as_public(module):
 
 def pages():
     root = Path(__file__).parents[2]
-    found = [file for file in (root / "README.md", root / "tests/tools/python/README.md") if file.exists()]
+    found = [file for file in (root / "README.md", root / "client/python/README.md") if file.exists()]
     return found or [None]  # beside an installed package there are none
 
 

@@ -4,8 +4,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "tests/tools/lab/measures/experiment.hpp"
-#include "tests/tools/lab/measures/measures.hpp"
+#include "tests/tools/lab/trials/experiment.hpp"
+#include "tests/tools/lab/trials/measures.hpp"
 
 // The paper's experiments [Kim 2015, section VI] with each law, in virtual time.
 //

@@ -11,7 +11,7 @@
 #include "forcebound/server/follower/follower_environment.hpp"
 #include "tests/support/fake_clock.hpp"
 #include "tests/support/gantry_robot.hpp"
-#include "tests/tools/lab/comparison/task.hpp"
+#include "tests/tools/lab/trials/task.hpp"
 #include "tests/tools/sim/closed_loop.hpp"
 #include "tests/tools/sim/draw.hpp"
 #include "tests/tools/sim/firm_device.hpp"

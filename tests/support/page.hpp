@@ -7,11 +7,11 @@
 #include <string>
 #include <string_view>
 
+#include "forcebound/text/marks.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/source_folder.hpp"
-#include "tests/tools/lab/measures/marks.hpp"
 
-/// Parts of the repository's pages that are the output of programs. Who uses this compiles tests/tools/lab/marks.cpp.
+/// Parts of the repository's pages that are the output of programs.
 namespace forcebound::test {
 
 /// Whether deploy/pages runs the tests, so that they write the pages instead of comparing them.
@@ -23,14 +23,14 @@ inline void replace_or_compare(const std::string& page, const std::string& name,
                                const std::function<void(std::string_view on_page)>& compare) {
   const std::string begin = "<!-- " + name + ": made by deploy/pages -->\n";
   const std::string end = "<!-- /" + name + " -->\n";
-  const lab::Marks marks{.begin = begin, .end = end};
+  const text::Marks marks{.begin = begin, .end = end};
   const auto file = source_folder() / page;
   SCOPED_TRACE(page + ", " + name + "; after a change that is wanted run: deploy/pages");
   const std::string document = content(file);
   if (writes_pages()) {
-    write_file(file, lab::with_between_marks(document, marks, part));
+    write_file(file, text::with_between_marks(document, marks, part));
   } else {
-    compare(lab::between_marks(document, marks));
+    compare(text::between_marks(document, marks));
   }
 }
 

@@ -42,7 +42,7 @@ AllowedClients AllowedClients::parse(std::string_view toml_text, const std::stri
   file.each("client", [&](config::CheckedTable& table, const std::string& name) {
     AllowedClient client{.name = name, .key = {}, .scenes = scenes_of(table), .rate_per_s_max = {}, .sessions_max = {}};
     const std::optional<PublicKey> key = public_key_from(table.text("public_key"));
-    if (!key) table.refuse("public_key", "a public key: 44 characters of base64, as forcebound-lab keygen prints them");
+    if (!key) table.refuse("public_key", "a public key: 44 characters of base64, as forcebound keygen prints them");
     client.key = *key;
     if (const AllowedClient* const same = allowed.find(*key)) {
       table.refuse("public_key", "another for each client; client '" + same->name + "' has this one");

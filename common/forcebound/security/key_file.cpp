@@ -144,7 +144,7 @@ std::string_view key_in(const KeyFileText& text, std::string_view wanted, const 
 
 [[noreturn]] void refuse_key_text(const std::string& path, std::string_view wanted) {
   refuse_key_file(path, "its " + std::string(wanted) +
-                            " is damaged; accepted are 44 characters of base64, as forcebound-lab keygen writes them");
+                            " is damaged; accepted are 44 characters of base64, as forcebound keygen writes them");
 }
 
 void read_secret(const std::string& path, std::string_view wanted, SecretKey& key) {

@@ -7,7 +7,7 @@
 namespace forcebound::fuzz {
 namespace {
 
-/// As `forcebound-lab report` does.
+/// As `forcebound report` does.
 class ReportedRun final : public record::RecordingSink {
  public:
   void on_start(const record::RunInfo& info) override { summary_.emplace(info); }

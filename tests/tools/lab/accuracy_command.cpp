@@ -11,6 +11,9 @@
 #include "forcebound/device/load_device.hpp"
 #include "forcebound/device/simulated/make_operator.hpp"
 #include "forcebound/program/command_line.hpp"
+#include "forcebound/program/output_options.hpp"
+#include "forcebound/program/progress.hpp"
+#include "forcebound/results/outputs.hpp"
 #include "forcebound/server/environment/scene_library.hpp"
 #include "forcebound/text/file.hpp"
 #include "forcebound/text/names.hpp"
@@ -25,9 +28,7 @@
 #include "tests/tools/lab/accuracy/study_markdown.hpp"
 #include "tests/tools/lab/accuracy/study_text.hpp"
 #include "tests/tools/lab/commands.hpp"
-#include "tests/tools/lab/option_checks.hpp"
-#include "tests/tools/lab/outputs.hpp"
-#include "tests/tools/lab/progress.hpp"
+#include "tests/tools/lab/trials/option_checks.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -127,7 +128,7 @@ Study study_of(const AccuracyOptions& options) {
 }
 
 nlohmann::ordered_json carried_out(const AccuracyOptions& options) {
-  Progress progress;
+  program::Progress progress;
   const StudyResult result = carry_out(study_of(options), time::SteadyClock(),
                                        [&](double done) { progress.tell(done, "running the settings"); });
   progress.clear();
@@ -154,20 +155,21 @@ void accuracy(const AccuracyOptions& options) {
                                 " is a study that was carried out: --sweep, --set and --levels need a scene");
   }
   (void)parse_round_trips_s(options.round_trips);  // wrong use comes before what is wrong with a file
-  prepare({.inputs = {options.scene, options.reference, options.device, device::recorded_hand(options.motion)},
-           .files = {options.json, options.levels},
-           .page = options.readme,
-           .marks = kAccuracyMarks,
-           .folder = options.figures,
-           .figures = pictures_in(options.figures, {kPicture}),
-           .formats = options.formats});
+  results::prepare({.inputs = {options.scene, options.reference, options.device, device::recorded_hand(options.motion)},
+                    .files = {options.json, options.levels},
+                    .page = options.readme,
+                    .marks = kAccuracyMarks,
+                    .folder = options.figures,
+                    .figures = results::pictures_in(options.figures, {kPicture}),
+                    .formats = options.formats});
   const auto study = is_written(options.scene) ? read_study(options.scene) : carried_out(options);
   if (!options.json.empty()) text::write_file(options.json, study.dump(2) + '\n');
   if (!options.readme.empty()) {
-    text::write_file(options.readme, page_with(options.readme, kAccuracyMarks, to_markdown(study)));
+    text::write_file(options.readme, results::page_with(options.readme, kAccuracyMarks, to_markdown(study)));
   }
   if (options.figures.empty()) return;
-  const auto drawn = draw(study_figure(study), std::filesystem::path(options.figures) / kPicture, options.formats);
+  const auto drawn =
+      results::draw(study_figure(study), std::filesystem::path(options.figures) / kPicture, options.formats);
   std::printf("\nFigure: %s\n", drawn.c_str());
 }
 
@@ -235,12 +237,13 @@ void add_scenes(CLI::App& command, AccuracyOptions& options) {
 }
 
 void add_outputs(CLI::App& command, AccuracyOptions& options) {
-  add_output(command, "--json", options.json, "write all figures to this file")->type_name("FILE.json");
-  add_output(command, "--levels", options.levels,
-             "write the results to this file as the table [accuracy] of a scene with accuracy = \"auto\"")
+  program::add_output(command, "--json", options.json, "write all figures to this file")->type_name("FILE.json");
+  program::add_output(command, "--levels", options.levels,
+                      "write the results to this file as the table [accuracy] of a scene with accuracy = \"auto\"")
       ->type_name("FILE.toml");
-  add_output(command, "--readme", options.readme, "put a table between the marks of this file")->type_name("PAGE.md");
-  add_figures(command, options.figures, options.formats, "draw the errors");
+  program::add_output(command, "--readme", options.readme, "put a table between the marks of this file")
+      ->type_name("PAGE.md");
+  program::add_figures(command, options.figures, options.formats, "draw the errors");
 }
 
 }  // namespace

@@ -11,24 +11,16 @@ namespace forcebound::lab {
 
 void add_accuracy(CLI::App& app);
 void add_bench(CLI::App& app);
-void add_check_device(CLI::App& app);
 void add_compare(CLI::App& app);
-void add_doctor(CLI::App& app);
 void add_fleet(CLI::App& app);
-void add_identify(CLI::App& app);
-void add_keygen(CLI::App& app);
+void add_identification(CLI::App& app);
 void add_load(CLI::App& app);
 void add_passivity(CLI::App& app);
 void add_rates(CLI::App& app);
 void add_rendering(CLI::App& app);
-void add_replay(CLI::App& app);
-void add_report(CLI::App& app);
 void add_reproduce(CLI::App& app);
 void add_soak(CLI::App& app);
-void add_table(CLI::App& app);
 void add_teleoperate(CLI::App& app);
-void add_trials(CLI::App& app);
-void add_view(CLI::App& app);
 void add_violations(CLI::App& app);
 
 }  // namespace forcebound::lab

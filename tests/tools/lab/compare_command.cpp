@@ -10,6 +10,10 @@
 
 #include "forcebound/baselines/baselines.hpp"
 #include "forcebound/program/command_line.hpp"
+#include "forcebound/program/output_options.hpp"
+#include "forcebound/program/progress.hpp"
+#include "forcebound/results/draw.hpp"
+#include "forcebound/results/outputs.hpp"
 #include "forcebound/text/file.hpp"
 #include "forcebound/text/printable.hpp"
 #include "forcebound/time/steady_clock.hpp"
@@ -17,11 +21,9 @@
 #include "tests/tools/lab/comparison/comparison_figure.hpp"
 #include "tests/tools/lab/comparison/comparison_run.hpp"
 #include "tests/tools/lab/comparison/standing.hpp"
-#include "tests/tools/lab/comparison/task.hpp"
-#include "tests/tools/lab/figures/draw.hpp"
-#include "tests/tools/lab/option_checks.hpp"
-#include "tests/tools/lab/outputs.hpp"
-#include "tests/tools/lab/progress.hpp"
+#include "tests/tools/lab/figures/figure_scripts.hpp"
+#include "tests/tools/lab/trials/option_checks.hpp"
+#include "tests/tools/lab/trials/task.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -74,7 +76,7 @@ ComparisonSettings settings_of(const CompareOptions& options) {
 }
 
 nlohmann::ordered_json run_standings(const CompareOptions& options) {
-  Progress progress;
+  program::Progress progress;
   const ComparisonResult result =
       run_comparison(settings_of(options), time::SteadyClock(), [&](std::size_t done, std::size_t all) {
         progress.tell(static_cast<double>(done) / static_cast<double>(all),
@@ -101,27 +103,29 @@ std::vector<std::string> compared_inputs(const CompareOptions& options) {
 }
 
 void compare(const CompareOptions& options) {
-  prepare({.inputs = compared_inputs(options),
-           .files = {options.csv, options.json},
-           .page = options.readme,
-           .marks = kComparisonMarks,
-           .folder = options.figures,
-           .figures = pictures_in(options.figures, {kComparisonPicture, kLimitsPicture}),
-           .formats = options.formats});
+  results::prepare({.inputs = compared_inputs(options),
+                    .files = {options.csv, options.json},
+                    .page = options.readme,
+                    .marks = kComparisonMarks,
+                    .folder = options.figures,
+                    .figures = results::pictures_in(options.figures, {kComparisonPicture, kLimitsPicture}),
+                    .formats = options.formats});
   const auto told = options.from.empty() ? run_standings(options) : read_standings(options.from);
   std::fputs(text::printable_lines(to_text(told)).c_str(), stdout);
   if (!options.json.empty()) text::write_file(options.json, told.dump(2) + '\n');
   if (!options.readme.empty()) {
-    text::write_file(options.readme, page_with(options.readme, kComparisonMarks, comparison_markdown(told)));
+    text::write_file(options.readme, results::page_with(options.readme, kComparisonMarks, comparison_markdown(told)));
   }
   if (options.figures.empty()) return;
   const std::filesystem::path directory(options.figures);
   const auto comparison =
-      draw({.script = "comparison", .csv = comparison_csv(told)}, directory / kComparisonPicture, options.formats);
+      results::draw({.script = text::text_of(figure_scripts(), "comparison"), .csv = comparison_csv(told)},
+                    directory / kComparisonPicture, options.formats);
   std::printf("\nFigures:\n  %s\n", comparison.c_str());
   if (told.at("limits").empty()) return;
-  std::printf("  %s\n",
-              draw({.script = "limits", .csv = limits_csv(told)}, directory / kLimitsPicture, options.formats).c_str());
+  std::printf("  %s\n", results::draw({.script = text::text_of(figure_scripts(), "limits"), .csv = limits_csv(told)},
+                                      directory / kLimitsPicture, options.formats)
+                            .c_str());
 }
 
 }  // namespace
@@ -182,14 +186,16 @@ void add_compare(CLI::App& app) {
   CLI::Option* const from =
       command->add_option("--from", options->from, "print and draw the standings that --json wrote, without any run")
           ->type_name("FILE.json");
-  add_output(*command, "--csv", options->csv, "write a row for each run to this file")
+  program::add_output(*command, "--csv", options->csv, "write a row for each run to this file")
       ->excludes(from)
       ->type_name("FILE.csv");
-  add_output(*command, "--json", options->json, "write the standings to this file")
+  program::add_output(*command, "--json", options->json, "write the standings to this file")
       ->excludes(from)
       ->type_name("FILE.json");
-  add_output(*command, "--readme", options->readme, "put tables between the marks of this file")->type_name("PAGE.md");
-  add_figures(*command, options->figures, options->formats, "draw stability, transparency and the stiffest walls");
+  program::add_output(*command, "--readme", options->readme, "put tables between the marks of this file")
+      ->type_name("PAGE.md");
+  program::add_figures(*command, options->figures, options->formats,
+                       "draw stability, transparency and the stiffest walls");
   command->callback([options] { compare(*options); });
 }
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "tests/tools/lab/measures/measures.hpp"
+#include "tests/tools/lab/trials/measures.hpp"
 
 namespace forcebound::lab {
 
@@ -11,7 +11,7 @@ double ExperimentRun::displayed_stiffness_N_per_m() const {
   return median.is_number() ? median.get<double>() : std::nan("");
 }
 
-ExperimentRun run_experiment(const Experiment& experiment, const std::string& law, LawsFigure* figure) {
+ExperimentRun run_experiment(const Experiment& experiment, const std::string& law, results::LawsFigure* figure) {
   RingingMeter ringing;
   DirectionMeter direction;
   std::vector<record::TickSink*> sinks{&ringing, &direction};

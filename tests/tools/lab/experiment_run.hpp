@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
-#include "tests/tools/lab/figures/laws_figure.hpp"
-#include "tests/tools/lab/measures/experiment.hpp"
+#include "forcebound/results/laws_figure.hpp"
+#include "tests/tools/lab/trials/experiment.hpp"
 
 namespace forcebound::lab {
 
@@ -21,6 +21,7 @@ struct ExperimentRun {
 };
 
 /// @param figure may be null; otherwise it gets the law's curves.
-[[nodiscard]] ExperimentRun run_experiment(const Experiment& experiment, const std::string& law, LawsFigure* figure);
+[[nodiscard]] ExperimentRun run_experiment(const Experiment& experiment, const std::string& law,
+                                           results::LawsFigure* figure);
 
 }  // namespace forcebound::lab

@@ -8,15 +8,16 @@
 #include <vector>
 
 #include "forcebound/program/command_line.hpp"
+#include "forcebound/program/output_options.hpp"
+#include "forcebound/results/draw.hpp"
+#include "forcebound/results/outputs.hpp"
 #include "forcebound/text/file.hpp"
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/text/table.hpp"
 #include "forcebound/text/terminal.hpp"
 #include "tests/tools/lab/commands.hpp"
-#include "tests/tools/lab/figures/draw.hpp"
+#include "tests/tools/lab/figures/figure_scripts.hpp"
 #include "tests/tools/lab/fleet/fleet_simulation.hpp"
-#include "tests/tools/lab/option_checks.hpp"
-#include "tests/tools/lab/outputs.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -86,13 +87,15 @@ void run(FleetOptions options) {
   settings.motion_s = 1 / (kHertz * options.clients_of_core);
   settings.handshake_s = options.handshake_ms / kMilli;
   settings.allocate_s = options.allocate_ms / kMilli;
-  prepare({.files = {options.csv}, .figures = {options.figure}, .formats = options.formats});
+  results::prepare({.files = {options.csv}, .figures = {options.figure}, .formats = options.formats});
   const FleetResult result = simulate_fleet(settings);
   std::cout << text::wrapped(assumptions(settings, options.clients_of_core), 0) << "\n"
             << table_of(result).to_text(text::colour_for(STDOUT_FILENO)) << "\n"
             << text::wrapped(words_of(result, settings), 0) << "\n";
   if (!options.csv.empty()) text::write_file(options.csv, fleet_csv(result));
-  if (!options.figure.empty()) draw({.script = "fleet", .csv = fleet_csv(result)}, options.figure, options.formats);
+  if (!options.figure.empty())
+    results::draw({.script = text::text_of(figure_scripts(), "fleet"), .csv = fleet_csv(result)}, options.figure,
+                  options.formats);
 }
 
 void add_demand(CLI::App& command, FleetOptions& options) {
@@ -168,8 +171,9 @@ void add_fleet(CLI::App& app) {
       ->check(program::whole_within(0))
       ->type_name("N")
       ->capture_default_str();
-  add_output(*command, "--csv", options->csv, "write each second to this file")->type_name("FILE.csv");
-  add_figure(*command, options->figure, options->formats, "draw sessions, servers and waiting clients over time");
+  program::add_output(*command, "--csv", options->csv, "write each second to this file")->type_name("FILE.csv");
+  program::add_figure(*command, options->figure, options->formats,
+                      "draw sessions, servers and waiting clients over time");
   command->footer(
       "What a motion and a handshake cost was measured by deploy/bench and security_benchmark; see "
       "deploy/CAPACITY.md.\n"

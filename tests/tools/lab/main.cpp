@@ -2,6 +2,7 @@
 
 #include "forcebound/program/command_line.hpp"
 #include "tests/tools/lab/commands.hpp"
+#include "tests/tools/lab/trials/trials.hpp"
 
 namespace {
 
@@ -15,38 +16,27 @@ int run(int argc, const char* const* argv) {
   app.require_subcommand(0, 1);
   forcebound::lab::add_accuracy(app);
   forcebound::lab::add_bench(app);
-  forcebound::lab::add_check_device(app);
   forcebound::lab::add_compare(app);
-  forcebound::lab::add_doctor(app);
   forcebound::lab::add_fleet(app);
-  forcebound::lab::add_identify(app);
-  forcebound::lab::add_keygen(app);
+  forcebound::lab::add_identification(app);
   forcebound::lab::add_load(app);
   forcebound::lab::add_passivity(app);
   forcebound::lab::add_rates(app);
   forcebound::lab::add_rendering(app);
-  forcebound::lab::add_replay(app);
-  forcebound::lab::add_report(app);
   forcebound::lab::add_reproduce(app);
   forcebound::lab::add_soak(app);
-  forcebound::lab::add_table(app);
   forcebound::lab::add_teleoperate(app);
   forcebound::lab::add_trials(app);
-  forcebound::lab::add_view(app);
   forcebound::lab::add_violations(app);
   // Not above: subcommands would print it too.
   app.footer(
-      "Each command has its own --help: forcebound-lab replay --help\n"
+      "Each command has its own --help: forcebound-lab trials --help\n"
       "\n"
       "Examples:\n"
       "  forcebound-lab trials dome --netem \"delay 50ms 10ms loss 5%\"\n"
       "      remote and local rendering of the dome through that network, figures that repeat\n"
       "  forcebound-lab reproduce sphere --figures out\n"
       "      the paper's sphere, in a few seconds\n"
-      "  forcebound-lab report run.mcap --figures out\n"
-      "      summary and figures of a client's recording\n"
-      "  forcebound-lab view run.mcap\n"
-      "      the same run in a browser, played again\n"
       "  forcebound-lab passivity --figure leaks.png\n"
       "      energy that each law leaks on a real device, and the cost of the guarantee\n"
       "  forcebound-lab soak --seeds 1000\n"
@@ -57,18 +47,12 @@ int run(int argc, const char* const* argv) {
       "      all laws side by side\n"
       "  forcebound-lab rendering --only mesh\n"
       "      a mesh rendered at the server and at the client, through 20 to 200 ms\n"
-      "  forcebound-lab doctor --server 127.0.0.1:47800\n"
-      "      what the way to that server and this machine will feel like\n"
-      "  forcebound-lab identify --device NAME --out facts.toml\n"
-      "      damping, friction, latency and hold time of a device, by moving it\n"
+      "  forcebound-lab identification --devices 100\n"
+      "      how close `forcebound identify` comes to the truth of simulated devices\n"
       "  forcebound-lab fleet --fail-at 1200,1500\n"
       "      100,000 clients at a fleet of servers of which two nodes fail\n"
-      "  forcebound-lab keygen server.key\n"
-      "      a new key of a server, or of a client\n"
       "  forcebound-lab load --server 127.0.0.1:47800 --clients 20\n"
       "      20 clients at 1 kHz, over real sockets\n"
-      "  forcebound-lab table a.json b.mcap\n"
-      "      runs side by side\n"
       "\n" +
       std::string(forcebound::program::kExitCodes));
   forcebound::program::parse(app, argc, argv);

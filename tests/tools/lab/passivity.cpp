@@ -5,10 +5,10 @@
 
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/device/load_device.hpp"
+#include "forcebound/results/summary_cells.hpp"
 #include "forcebound/server/environment/scene_parser.hpp"
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/text/table.hpp"
-#include "tests/tools/lab/measures/summary_cells.hpp"
 #include "tests/tools/sim/closed_loop.hpp"
 #include "tests/tools/sim/draw.hpp"
 #include "tests/tools/sim/restless_hand.hpp"
@@ -59,7 +59,8 @@ double worst_J(const std::vector<PassivityResult>& results, const PassivityCondi
 }
 
 text::Table::Cell leak(double least_P_J) {
-  return {millijoules(least_P_J), least_P_J < -kGuarantee_J ? text::Table::Mark::alarm : text::Table::Mark::none};
+  return {results::millijoules(least_P_J),
+          least_P_J < -kGuarantee_J ? text::Table::Mark::alarm : text::Table::Mark::none};
 }
 
 }  // namespace

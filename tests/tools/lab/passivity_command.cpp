@@ -7,16 +7,17 @@
 
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/program/command_line.hpp"
+#include "forcebound/program/output_options.hpp"
+#include "forcebound/program/progress.hpp"
+#include "forcebound/results/draw.hpp"
+#include "forcebound/results/outputs.hpp"
 #include "forcebound/text/file.hpp"
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/text/table.hpp"
 #include "tests/tools/lab/commands.hpp"
 #include "tests/tools/lab/experiment_run.hpp"
-#include "tests/tools/lab/figures/draw.hpp"
-#include "tests/tools/lab/option_checks.hpp"
-#include "tests/tools/lab/outputs.hpp"
+#include "tests/tools/lab/figures/figure_scripts.hpp"
 #include "tests/tools/lab/passivity.hpp"
-#include "tests/tools/lab/progress.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -53,7 +54,7 @@ std::string costs() {
 
 std::vector<PassivityResult> run_all(const PassivitySettings& settings) {
   const auto conditions = passivity_conditions();
-  Progress progress;
+  program::Progress progress;
   std::vector<PassivityResult> results;
   for (const PassivityCondition& condition : conditions) {
     progress.tell(static_cast<double>(results.size()) / static_cast<double>(conditions.size()),
@@ -64,12 +65,13 @@ std::vector<PassivityResult> run_all(const PassivitySettings& settings) {
 }
 
 void run(const PassivityOptions& options) {
-  prepare({.files = {options.csv}, .figures = {options.figure}, .formats = options.formats});
+  results::prepare({.files = {options.csv}, .figures = {options.figure}, .formats = options.formats});
   const auto results = run_all(options.settings);
   std::cout << passivity_table(results, text::colour_for(STDOUT_FILENO)) << std::flush << costs() << std::flush;
   if (!options.csv.empty()) text::write_file(options.csv, passivity_csv(results));
   if (!options.figure.empty())
-    draw({.script = "leaks", .csv = passivity_csv(results)}, options.figure, options.formats);
+    results::draw({.script = text::text_of(figure_scripts(), "leaks"), .csv = passivity_csv(results)}, options.figure,
+                  options.formats);
 }
 
 }  // namespace
@@ -91,9 +93,9 @@ void add_passivity(CLI::App& app) {
       ->check(program::number_above_zero())
       ->type_name("SECONDS")
       ->capture_default_str();
-  add_output(*command, "--csv", options->csv, "write every condition to this file, adversary by adversary")
+  program::add_output(*command, "--csv", options->csv, "write every condition to this file, adversary by adversary")
       ->type_name("FILE.csv");
-  add_figure(*command, options->figure, options->formats, "draw the leaks over the latency");
+  program::add_figure(*command, options->figure, options->formats, "draw the leaks over the latency");
   command->footer("Example:\n  forcebound-lab passivity --seeds 1 --seconds 2 --figure leaks.png");
   command->callback([options] { run(*options); });
 }

@@ -8,17 +8,19 @@
 
 #include "forcebound/device/tick_rate.hpp"
 #include "forcebound/program/command_line.hpp"
+#include "forcebound/program/output_options.hpp"
+#include "forcebound/program/progress.hpp"
+#include "forcebound/results/draw.hpp"
+#include "forcebound/results/outputs.hpp"
+#include "forcebound/results/summary_cells.hpp"
 #include "forcebound/text/file.hpp"
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/text/table.hpp"
 #include "forcebound/text/terminal.hpp"
 #include "tests/tools/lab/commands.hpp"
 #include "tests/tools/lab/comparison/rate_study.hpp"
-#include "tests/tools/lab/figures/draw.hpp"
-#include "tests/tools/lab/measures/summary_cells.hpp"
-#include "tests/tools/lab/option_checks.hpp"
-#include "tests/tools/lab/outputs.hpp"
-#include "tests/tools/lab/progress.hpp"
+#include "tests/tools/lab/figures/figure_scripts.hpp"
+#include "tests/tools/lab/trials/option_checks.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -33,10 +35,12 @@ struct RatesOptions {
   std::vector<std::string> formats;
 };
 
-std::string shown(const ShownWall& wall) { return wall.shown_N_per_m > 0 ? newtons_per_mm(wall.shown_N_per_m) : "-"; }
+std::string shown(const ShownWall& wall) {
+  return wall.shown_N_per_m > 0 ? results::newtons_per_mm(wall.shown_N_per_m) : "-";
+}
 
 std::string stable_up_to(const StableStiffness& stable) {
-  return (stable.no_limit ? ">= " : "") + newtons_per_mm(stable.N_per_m);
+  return (stable.no_limit ? ">= " : "") + results::newtons_per_mm(stable.N_per_m);
 }
 
 text::Table table_of(const std::vector<AtRate>& results) {
@@ -51,9 +55,9 @@ text::Table table_of(const std::vector<AtRate>& results) {
                      {"least P", "mJ"}});
   for (const AtRate& at : results) {
     const double least_P_J = std::min(at.ideal.least_P_J, at.own.least_P_J);
-    table.add({at.device, at.law, text::rounded(at.rate_Hz), newtons_per_mm(at.passive_N_per_m),
-               newtons_per_mm(at.late_N_per_m), stable_up_to(at.stable), shown(at.ideal), shown(at.own),
-               millijoules(least_P_J)});
+    table.add({at.device, at.law, text::rounded(at.rate_Hz), results::newtons_per_mm(at.passive_N_per_m),
+               results::newtons_per_mm(at.late_N_per_m), stable_up_to(at.stable), shown(at.ideal), shown(at.own),
+               results::millijoules(least_P_J)});
   }
   return table;
 }
@@ -67,8 +71,8 @@ constexpr const char* kWords =
     "  least P    least of dissipated less returned energy over all walls tried\n";
 
 void run(const RatesOptions& options) {
-  prepare({.files = {options.csv}, .figures = {options.figure}, .formats = options.formats});
-  Progress progress;
+  results::prepare({.files = {options.csv}, .figures = {options.figure}, .formats = options.formats});
+  program::Progress progress;
   const auto results = run_rate_study(options.settings, [&](std::size_t done, std::size_t all) {
     progress.tell(static_cast<double>(done) / static_cast<double>(all),
                   std::to_string(done) + " of " + std::to_string(all) + " searches");
@@ -81,7 +85,9 @@ void run(const RatesOptions& options) {
     std::cout << table.to_text(text::colour_for(STDOUT_FILENO)) << kWords;
   }
   if (!options.csv.empty()) text::write_file(options.csv, rate_csv(results));
-  if (!options.figure.empty()) draw({.script = "rates", .csv = rate_csv(results)}, options.figure, options.formats);
+  if (!options.figure.empty())
+    results::draw({.script = text::text_of(figure_scripts(), "rates"), .csv = rate_csv(results)}, options.figure,
+                  options.formats);
 }
 
 }  // namespace
@@ -107,8 +113,8 @@ void add_rates(CLI::App& app) {
       ->delimiter(',')
       ->capture_default_str();
   command->add_flag("--markdown", options->markdown, "as a Markdown table");
-  add_output(*command, "--csv", options->csv, "write the table to this file")->type_name("FILE.csv");
-  add_figure(*command, options->figure, options->formats, "draw stiffness over rate");
+  program::add_output(*command, "--csv", options->csv, "write the table to this file")->type_name("FILE.csv");
+  program::add_figure(*command, options->figure, options->formats, "draw stiffness over rate");
   command->footer("Example:\n  forcebound-lab rates --devices wall-1dof --laws none,fba-exact --figure rates.png");
   command->callback([options] { run(*options); });
 }

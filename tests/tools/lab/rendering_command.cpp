@@ -9,19 +9,20 @@
 
 #include "forcebound/client/session/motion_schedule.hpp"
 #include "forcebound/program/command_line.hpp"
+#include "forcebound/program/output_options.hpp"
+#include "forcebound/program/progress.hpp"
+#include "forcebound/results/draw.hpp"
+#include "forcebound/results/outputs.hpp"
 #include "forcebound/text/file.hpp"
 #include "forcebound/text/printable.hpp"
 #include "forcebound/text/terminal.hpp"
 #include "tests/tools/lab/commands.hpp"
-#include "tests/tools/lab/comparison/task.hpp"
-#include "tests/tools/lab/figures/draw.hpp"
-#include "tests/tools/lab/option_checks.hpp"
-#include "tests/tools/lab/outputs.hpp"
-#include "tests/tools/lab/progress.hpp"
 #include "tests/tools/lab/rendering/live_runs.hpp"
 #include "tests/tools/lab/rendering/rendering_results.hpp"
 #include "tests/tools/lab/rendering/rendering_study.hpp"
 #include "tests/tools/lab/rendering/two_people.hpp"
+#include "tests/tools/lab/trials/option_checks.hpp"
+#include "tests/tools/lab/trials/task.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -68,7 +69,7 @@ void run_live(const RenderingOptions& options) {
   std::vector<LiveRun> runs;
   runs.reserve(options.live.size());
   {
-    Progress progress;
+    program::Progress progress;
     for (const std::string& file : options.live) {
       progress.tell(static_cast<double>(runs.size()) / static_cast<double>(options.live.size()), "reading the runs");
       runs.push_back(read_live_run(file));
@@ -79,7 +80,7 @@ void run_live(const RenderingOptions& options) {
 
 Json carried_out_rendering(const RenderingStudySettings& settings) {
   note_left_out(standard_networks().absent);
-  Progress progress;
+  program::Progress progress;
   return rendering_json(settings, study_rendering(settings, [&](double share) { progress.tell(share, "rendering"); }));
 }
 
@@ -96,13 +97,13 @@ void run_rendering(const RenderingOptions& options) {
     run_live(options);
     return;
   }
-  prepare({.inputs = {options.from},
-           .files = {options.csv, options.json},
-           .page = options.readme,
-           .marks = kRenderingMarks,
-           .folder = options.figures,
-           .figures = pictures_in(options.figures, {kRenderingPicture}),
-           .formats = options.formats});
+  results::prepare({.inputs = {options.from},
+                    .files = {options.csv, options.json},
+                    .page = options.readme,
+                    .marks = kRenderingMarks,
+                    .folder = options.figures,
+                    .figures = results::pictures_in(options.figures, {kRenderingPicture}),
+                    .formats = options.formats});
   if (options.two_people) {
     run_two_people(options);
     return;
@@ -112,11 +113,11 @@ void run_rendering(const RenderingOptions& options) {
   if (!options.csv.empty()) text::write_file(options.csv, rendering_csv(study));
   if (!options.json.empty()) text::write_file(options.json, rendering_file(study));
   if (!options.readme.empty()) {
-    text::write_file(options.readme, page_with(options.readme, kRenderingMarks, rendering_markdown(study)));
+    text::write_file(options.readme, results::page_with(options.readme, kRenderingMarks, rendering_markdown(study)));
   }
   if (options.figures.empty()) return;
-  const auto drawn =
-      draw(rendering_figure(study), std::filesystem::path(options.figures) / kRenderingPicture, options.formats);
+  const auto drawn = results::draw(rendering_figure(study), std::filesystem::path(options.figures) / kRenderingPicture,
+                                   options.formats);
   std::printf("\nFigure: %s\n", drawn.c_str());
 }
 
@@ -162,19 +163,19 @@ void add_rendering(CLI::App& app) {
           ->excludes(from)
           ->excludes(two_people)
           ->type_name("RUN.mcap");
-  add_output(*command, "--json", options->json, "write all figures to this file")
+  program::add_output(*command, "--json", options->json, "write all figures to this file")
       ->excludes(from)
       ->excludes(live)
       ->type_name("FILE.json");
-  add_output(*command, "--csv", options->csv, "write a row for each figure to this file")
+  program::add_output(*command, "--csv", options->csv, "write a row for each figure to this file")
       ->excludes(two_people)
       ->excludes(live)
       ->type_name("FILE.csv");
-  add_output(*command, "--readme", options->readme, "put a table between the marks of this file")
+  program::add_output(*command, "--readme", options->readme, "put a table between the marks of this file")
       ->excludes(two_people)
       ->excludes(live)
       ->type_name("PAGE.md");
-  add_figures(*command, options->figures, options->formats, "draw stiffness and error of each class")
+  program::add_figures(*command, options->figures, options->formats, "draw stiffness and error of each class")
       ->excludes(two_people)
       ->excludes(live);
   command->footer(

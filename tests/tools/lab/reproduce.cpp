@@ -13,6 +13,11 @@
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/device/simulated/make_operator.hpp"
 #include "forcebound/program/command_line.hpp"
+#include "forcebound/program/output_options.hpp"
+#include "forcebound/program/progress.hpp"
+#include "forcebound/results/laws_figure.hpp"
+#include "forcebound/results/outputs.hpp"
+#include "forcebound/results/summary_cells.hpp"
 #include "forcebound/text/file.hpp"
 #include "forcebound/text/names.hpp"
 #include "forcebound/text/numbers.hpp"
@@ -20,11 +25,7 @@
 #include "forcebound/text/terminal.hpp"
 #include "tests/tools/lab/commands.hpp"
 #include "tests/tools/lab/experiment_run.hpp"
-#include "tests/tools/lab/figures/laws_figure.hpp"
-#include "tests/tools/lab/measures/summary_cells.hpp"
-#include "tests/tools/lab/option_checks.hpp"
-#include "tests/tools/lab/outputs.hpp"
-#include "tests/tools/lab/progress.hpp"
+#include "tests/tools/lab/trials/option_checks.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -92,14 +93,14 @@ text::Table empty_table() {
 
 void add_row(text::Table& table, const Experiment& experiment, const ExperimentRun& run) {
   const json& s = run.summary;
-  table.add({run.law, least_P_cell(s), cell(run.displayed_stiffness_N_per_m() * 1e-3),
+  table.add({run.law, results::least_P_cell(s), cell(run.displayed_stiffness_N_per_m() * 1e-3),
              cell(number(s["force_N"]["mean"])), cell(number(s["force_N"]["variance"])),
              cell(degrees(run.direction_error_rad)), cell(run.ringing_s.value_or(std::nan(""))),
              paper_says(experiment, run.law)});
 }
 
 std::filesystem::path picture_of(const Experiment& experiment, const std::string& folder) {
-  return std::filesystem::path(folder) / LawsFigure::picture_name(experiment.title());
+  return std::filesystem::path(folder) / results::LawsFigure::picture_name(experiment.title());
 }
 
 std::vector<std::filesystem::path> pictures_of(const std::vector<Experiment>& all, const std::string& folder) {
@@ -113,10 +114,10 @@ std::vector<std::filesystem::path> pictures_of(const std::vector<Experiment>& al
 void reproduce(const ReproduceOptions& options) {
   std::vector<Experiment> all = experiments(options.experiment);
   for (Experiment& experiment : all) experiment.renders_locally = options.renders_locally;
-  prepare({.files = {options.json},
-           .folder = options.figures,
-           .figures = pictures_of(all, options.figures),
-           .formats = options.formats});
+  results::prepare({.files = {options.json},
+                    .folder = options.figures,
+                    .figures = pictures_of(all, options.figures),
+                    .formats = options.formats});
   json runs = json::array();
   std::vector<std::filesystem::path> drawn;
   std::printf(
@@ -128,13 +129,13 @@ void reproduce(const ReproduceOptions& options) {
     std::printf("With local rendering, which the paper does not have.\n");
   }
   const auto laws = control::force_bounding_laws().names();
-  Progress progress;
+  program::Progress progress;
   for (const Experiment& experiment : all) {
     const auto settings = experiment.settings("none");
     const auto hand = device::make_operator(experiment.hand, settings.device.facts);
     print_heading(experiment, settings.device, *hand);
     text::Table table = empty_table();
-    LawsFigure figure(experiment.title(), "each law on the same device, with the same hand");
+    results::LawsFigure figure(experiment.title(), "each law on the same device, with the same hand");
     for (const std::string& law : laws) {
       progress.tell(static_cast<double>(runs.size()) / static_cast<double>(all.size() * laws.size()),
                     std::to_string(runs.size()) + " of " + std::to_string(all.size() * laws.size()) + " runs");
@@ -164,9 +165,10 @@ void add_reproduce(CLI::App& app) {
       ->check(program::one_of("experiment", names))
       ->capture_default_str();
   add_rendering_option(*command, options->renders_locally);
-  add_output(*command, "--json", options->json, "write the runs to this file, an array with one object for each")
+  program::add_output(*command, "--json", options->json,
+                      "write the runs to this file, an array with one object for each")
       ->type_name("FILE.json");
-  add_figures(*command, options->figures, options->formats, "draw force, depth and passivity with each law");
+  program::add_figures(*command, options->figures, options->formats, "draw force, depth and passivity with each law");
   command->footer("Example:\n  forcebound-lab reproduce sphere --figures out");
   command->callback([options] { reproduce(*options); });
 }

@@ -17,12 +17,12 @@
 #include "forcebound/baselines/baselines.hpp"
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/program/command_line.hpp"
+#include "forcebound/program/progress.hpp"
+#include "forcebound/results/summary_cells.hpp"
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/text/table.hpp"
 #include "forcebound/text/terminal.hpp"
 #include "tests/tools/lab/commands.hpp"
-#include "tests/tools/lab/measures/summary_cells.hpp"
-#include "tests/tools/lab/progress.hpp"
 #include "tests/tools/lab/soak/soak.hpp"
 #include "tests/tools/lab/soak/soak_case.hpp"
 #include "tests/tools/sim/environment.hpp"
@@ -74,13 +74,13 @@ class Tally {
 
   /// Short, to leave room for the remaining time.
   [[nodiscard]] std::string short_line() const {
-    return text::counted(seeds_, "seed") + ", least P " + millijoules(sum_.least_P_J) + " mJ";
+    return text::counted(seeds_, "seed") + ", least P " + results::millijoules(sum_.least_P_J) + " mJ";
   }
 
   [[nodiscard]] std::string line() const {
     return text::counted(seeds_, "seed") + ", " + text::fixed(sum_.virtual_s, 0) + " virtual s, " +
-           text::fixed(sum_.virtual_s / elapsed_s(), 0) + " times real time, least P " + millijoules(sum_.least_P_J) +
-           " mJ";
+           text::fixed(sum_.virtual_s / elapsed_s(), 0) + " times real time, least P " +
+           results::millijoules(sum_.least_P_J) + " mJ";
   }
 
   void print() const {
@@ -114,7 +114,8 @@ class Tally {
   static std::string table_of(const char* of_what, const Shares& shares) {
     text::Table table({{of_what}, {"seeds"}, {"promised"}, {"least P", "mJ"}});
     for (const auto& [name, share] : shares) {
-      table.add({name, std::to_string(share.seeds), std::to_string(share.promised), millijoules(share.least_P_J)});
+      table.add(
+          {name, std::to_string(share.seeds), std::to_string(share.promised), results::millijoules(share.least_P_J)});
     }
     return table.to_text();
   }
@@ -142,7 +143,7 @@ void run(const SoakOptions& options) {
   constexpr double kBetween_s = 10;
   double next_s = kBetween_s;
   Tally tally;
-  Progress progress;
+  program::Progress progress;
   std::printf("seeds from %llu, %s\n", static_cast<unsigned long long>(options.from), options.law.c_str());
   for (std::uint64_t i = 0; !interrupted; ++i) {
     if (options.minutes > 0 ? tally.elapsed_s() >= options.minutes * 60 : i == options.seeds) break;

@@ -8,18 +8,19 @@
 #include <vector>
 
 #include "forcebound/program/command_line.hpp"
+#include "forcebound/program/output_options.hpp"
+#include "forcebound/program/progress.hpp"
+#include "forcebound/results/draw.hpp"
+#include "forcebound/results/outputs.hpp"
 #include "forcebound/text/file.hpp"
 #include "forcebound/text/terminal.hpp"
 #include "tests/tools/lab/commands.hpp"
-#include "tests/tools/lab/figures/draw.hpp"
-#include "tests/tools/lab/option_checks.hpp"
-#include "tests/tools/lab/outputs.hpp"
-#include "tests/tools/lab/progress.hpp"
 #include "tests/tools/lab/teleoperation/fault_study.hpp"
 #include "tests/tools/lab/teleoperation/impedance_study.hpp"
 #include "tests/tools/lab/teleoperation/teleoperation_results.hpp"
 #include "tests/tools/lab/teleoperation/teleoperation_study.hpp"
 #include "tests/tools/lab/teleoperation/touch_study.hpp"
+#include "tests/tools/lab/trials/option_checks.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -67,7 +68,7 @@ std::string tasks_help() {
 }
 
 void run(TeleoperateOptions& options) {
-  prepare({.files = {options.json, options.csv}, .figures = {options.figure}, .formats = options.formats});
+  results::prepare({.files = {options.json, options.csv}, .figures = {options.figure}, .formats = options.formats});
   TeleoperationStudy& study = options.study;
   study.tasks = options.tasks == std::vector<std::string>{kAll} ? server::task_names() : options.tasks;
   if (options.networks.empty()) {
@@ -94,7 +95,7 @@ void run(TeleoperateOptions& options) {
   }
   std::vector<TeleoperationRow> rows;
   {
-    Progress progress;
+    program::Progress progress;
     rows = study_teleoperation(study, [&](double share) { progress.tell(share, "teleoperation"); });
   }
   const std::vector<TeleoperationGroup> groups = groups_of(rows);
@@ -107,7 +108,7 @@ void run(TeleoperateOptions& options) {
     text::write_file(options.json, lines + "]\n");
   }
   if (!options.csv.empty()) text::write_file(options.csv, table.to_csv());
-  if (!options.figure.empty()) draw(teleoperation_figure(groups), options.figure, options.formats);
+  if (!options.figure.empty()) results::draw(teleoperation_figure(groups), options.figure, options.formats);
 }
 
 void add_study(CLI::App& command, TeleoperateOptions& options) {
@@ -172,17 +173,17 @@ void add_outcome(CLI::App& command, TeleoperateOptions& options) {
                     "what a hand that swings with 0.5 to 20 Hz meets, in free space and pressing the stiff wall")
           ->excludes(touches)
           ->excludes(faults);
-  add_output(command, "--json", options.json, "write a row for each run to this file")
+  program::add_output(command, "--json", options.json, "write a row for each run to this file")
       ->excludes(touches)
       ->excludes(faults)
       ->excludes(impedance)
       ->type_name("FILE.json");
-  add_output(command, "--csv", options.csv, "write the table to this file")
+  program::add_output(command, "--csv", options.csv, "write the table to this file")
       ->excludes(touches)
       ->excludes(faults)
       ->excludes(impedance)
       ->type_name("FILE.csv");
-  add_figure(command, options.figure, options.formats, "draw force error and tracking error")
+  program::add_figure(command, options.figure, options.formats, "draw force error and tracking error")
       ->excludes(touches)
       ->excludes(faults)
       ->excludes(impedance);

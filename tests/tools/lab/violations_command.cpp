@@ -12,13 +12,13 @@
 #include "forcebound/control/exact_law.hpp"
 #include "forcebound/device/load_device.hpp"
 #include "forcebound/program/command_line.hpp"
+#include "forcebound/program/progress.hpp"
+#include "forcebound/results/summary_cells.hpp"
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/text/table.hpp"
 #include "forcebound/text/terminal.hpp"
 #include "tests/tools/lab/commands.hpp"
-#include "tests/tools/lab/measures/experiment.hpp"
-#include "tests/tools/lab/measures/summary_cells.hpp"
-#include "tests/tools/lab/progress.hpp"
+#include "tests/tools/lab/trials/experiment.hpp"
 #include "tests/tools/reference/kinematic_adversary.hpp"
 
 namespace forcebound::lab {
@@ -122,11 +122,11 @@ std::string displayed(const Experiment& experiment, const control::DeviceFacts& 
   sim::ClosedLoop loop(settings);
   loop.run(time::from_seconds(experiment.duration_s));
   const auto summary = nlohmann::ordered_json::parse(loop.close().to_json());
-  return newtons_per_mm(number_at(summary, "/displayed_stiffness_N_per_m/median"));
+  return results::newtons_per_mm(results::number_at(summary, "/displayed_stiffness_N_per_m/median"));
 }
 
 text::Table::Cell leak_cell(double least_P_J) {
-  const std::string leak = millijoules(least_P_J);
+  const std::string leak = results::millijoules(least_P_J);
   return {leak, leak == "0" ? text::Table::Mark::none : text::Table::Mark::alarm};
 }
 
@@ -143,7 +143,7 @@ void run(const ViolationsOptions& options) {
                      {"shown, told exact", "N/mm"},
                      {"shown, told bounds", "N/mm"}});
   const auto all = violations();
-  Progress progress;
+  program::Progress progress;
   std::size_t done = 0;
   for (const Place& place : places) {
     table.add_heading(place.device);

@@ -11,7 +11,7 @@ std::string first_words(const device::HapticDevice& device, const std::string& h
   const std::string name = "device '" + device.facts().name + "'";
   if (device.is_simulated()) return name + " and its hand '" + hand + "' are simulated";
   if (device.bounds_are_identified()) return name + " is not simulated";
-  return name + " is not simulated, its bounds not identified (forcebound-lab identify measures them)";
+  return name + " is not simulated, its bounds not identified (forcebound identify measures them)";
 }
 
 void warn_of_hand(const std::string& hand, const device::HapticDevice& device) {
@@ -21,8 +21,7 @@ void warn_of_hand(const std::string& hand, const device::HapticDevice& device) {
 
 std::string guarantee_with(const device::HapticDevice& device, const std::string& guarantee) {
   if (guarantee.empty() || device.is_simulated() || device.bounds_are_identified()) return guarantee;
-  return "nothing while this device's bounds are guesses (forcebound-lab identify measures them); after that " +
-         guarantee;
+  return "nothing while this device's bounds are guesses (forcebound identify measures them); after that " + guarantee;
 }
 
 std::string lost_words(const device::HapticDevice& device, std::string_view crash, bool device_stopped,

@@ -8,7 +8,7 @@ namespace forcebound::client {
 
 void add_identity_options(CLI::App& app, IdentityFiles& files) {
   app.add_option("--key", files.key,
-                 "encrypt; file of this client's secret key, as forcebound-lab keygen writes it; default: a new one")
+                 "encrypt; file of this client's secret key, as forcebound keygen writes it; default: a new one")
       ->check(program::not_empty())
       ->type_name("FILE");
   app.add_option("--server-key", files.server_key, "encrypt; the server's public key, or its file")

@@ -11,7 +11,7 @@ namespace forcebound::server {
 void add_key_options(CLI::App& app, KeyOptions& keys) {
   CLI::Option* const key =
       app.add_option("--key", keys.key,
-                     "encrypt; file of this server's secret key, as forcebound-lab keygen writes it; with --clients, "
+                     "encrypt; file of this server's secret key, as forcebound keygen writes it; with --clients, "
                      "--psk or both")
           ->check(program::not_empty())
           ->type_name("FILE");
@@ -24,7 +24,7 @@ void add_key_options(CLI::App& app, KeyOptions& keys) {
           ->needs(key);
   CLI::Option* const psk =
       app.add_option("--psk", keys.psk,
-                     "encrypt; file of a key that all clients have too, from forcebound-lab keygen --shared; alone, or "
+                     "encrypt; file of a key that all clients have too, from forcebound keygen --shared; alone, or "
                      "beside --key")
           ->check(program::not_empty())
           ->type_name("FILE");
@@ -46,7 +46,7 @@ void expect_encryption(const KeyOptions& keys, const net::Address& address) {
   if (keys.any() || keys.insecure || net::is_loopback(address)) return;
   throw std::invalid_argument(
       "--listen: other machines can reach " + net::to_string(address) +
-      ", so sessions must be encrypted; accepted are --key with --clients, or --psk (forcebound-lab keygen makes the "
+      ", so sessions must be encrypted; accepted are --key with --clients, or --psk (forcebound keygen makes the "
       "keys), or --insecure for a network in which everybody is trusted");
 }
 

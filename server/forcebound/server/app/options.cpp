@@ -40,7 +40,7 @@ std::string footer() {
          "  forcebound-server --schema\n"
          "      how to write a scene, with every effect\n"
          "  forcebound-server --listen 0.0.0.0:47800 --key server.key --clients clients.toml\n"
-         "      for clients elsewhere, which clients.toml names with their public keys; forcebound-lab keygen "
+         "      for clients elsewhere, which clients.toml names with their public keys; forcebound keygen "
          "server.key makes the key\n"
          "  forcebound-server --listen 0.0.0.0:47800 --psk shared.key\n"
          "      for everybody elsewhere who has the same shared.key\n"

@@ -6,7 +6,7 @@
 
 #include "forcebound/time/heap_operations.hpp"
 #include "tests/tools/lab/accuracy/instruction_counter.hpp"
-#include "tests/tools/lab/measures/percentile.hpp"
+#include "tests/tools/lab/trials/percentile.hpp"
 
 namespace forcebound::lab {
 namespace {

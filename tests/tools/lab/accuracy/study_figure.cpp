@@ -5,6 +5,7 @@
 
 #include "forcebound/text/table.hpp"
 #include "tests/tools/lab/accuracy/study_markdown.hpp"
+#include "tests/tools/lab/figures/figure_scripts.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -28,7 +29,7 @@ std::string study_csv(const Json& study) {
   const Json& reference = study.at("reference");
   // An error below three times the reference's uncertainty is no more than that bound.
   const auto at_states = [&](const Json& error, const char* uncertainty) {
-    return figure_number(std::max(error.get<double>(), 3 * reference.at(uncertainty).get<double>()));
+    return results::figure_number(std::max(error.get<double>(), 3 * reference.at(uncertainty).get<double>()));
   };
   const bool has_bodies = study.at("ticks_between_states") > 0;
   const Json& settings = study.at("settings");
@@ -38,12 +39,14 @@ std::string study_csv(const Json& study) {
       const Json& behind = settings[i].at("behind").at(network);
       // Studies from before there was local rendering have no extrapolation.
       const auto share = [&](const char* part) {
-        return behind.contains(part) ? figure_number(behind.at(part).at("share")) : std::string("0");
+        return behind.contains(part) ? results::figure_number(behind.at(part).at("share")) : std::string("0");
       };
-      table.add({settings[i].at("value").get<std::string>(), figure_number(settings[i].at("step_us").at("median")),
-                 figure_number(1e3 * behind.at("round_trip_s").get<double>()), figure_number(behind.at("error")),
-                 share("model"), share("extrapolation"), share("age"), share("hold"), share("bounding"),
-                 i == best ? "1" : "0", at_states(settings[i].at("force_error"), "uncertainty"),
+      table.add({settings[i].at("value").get<std::string>(),
+                 results::figure_number(settings[i].at("step_us").at("median")),
+                 results::figure_number(1e3 * behind.at("round_trip_s").get<double>()),
+                 results::figure_number(behind.at("error")), share("model"), share("extrapolation"), share("age"),
+                 share("hold"), share("bounding"), i == best ? "1" : "0",
+                 at_states(settings[i].at("force_error"), "uncertainty"),
                  has_bodies ? at_states(settings[i].at("velocity_error"), "velocity_uncertainty") : "0",
                  settings[i].at("trouble").get<std::string>().empty() ? "0" : "1"});
     }
@@ -53,11 +56,11 @@ std::string study_csv(const Json& study) {
 
 }  // namespace
 
-Figure study_figure(const Json& study) {
+results::Figure study_figure(const Json& study) {
   const std::string fixed = study.at("set");
   const std::string hand = study.at("hand");
   const std::string trouble = study.at("reference").at("trouble");
-  return {.script = "accuracy",
+  return {.script = text::text_of(figure_scripts(), "accuracy"),
           .csv = study_csv(study),
           .subtitle = study.at("key").get<std::string>() + (fixed.empty() ? "" : " with " + fixed) + ", " +
                       hand.substr(0, hand.find(',')) + (trouble.empty() ? "" : "; the reference itself failed")};

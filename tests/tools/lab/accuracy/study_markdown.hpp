@@ -3,11 +3,11 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "tests/tools/lab/measures/marks.hpp"
+#include "forcebound/text/marks.hpp"
 
 namespace forcebound::lab {
 
-inline constexpr Marks kAccuracyMarks{"<!-- accuracy: made by deploy/accuracy -->\n", "<!-- /accuracy -->\n"};
+inline constexpr text::Marks kAccuracyMarks{"<!-- accuracy: made by deploy/accuracy -->\n", "<!-- /accuracy -->\n"};
 
 /// Of those that worked, and of a session's settings stayed passive, the one with the least error behind a network; the
 /// number of settings if none did.

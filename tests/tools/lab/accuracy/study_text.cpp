@@ -5,12 +5,12 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "forcebound/results/summary_cells.hpp"
 #include "forcebound/text/names.hpp"
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/text/table.hpp"
 #include "tests/tools/lab/accuracy/percent.hpp"
 #include "tests/tools/lab/accuracy/recommendation.hpp"
-#include "tests/tools/lab/measures/summary_cells.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -166,7 +166,7 @@ std::string behind_text(const StudyResult& result, std::size_t which) {
     if (extrapolated) row.emplace_back(part(error.extrapolation));
     for (const DeviceError::Part& of : {error.age, error.hold, error.bounding}) row.emplace_back(part(of));
     row.emplace_back(ms(time::to_seconds(error.least_age)));
-    row.emplace_back(millijoules(setting.behind[which].passivity_minimum_J));
+    row.emplace_back(results::millijoules(setting.behind[which].passivity_minimum_J));
     row.emplace_back(remark(setting, which, best == i && resolves(result, which)));
     table.add(std::move(row));
   }

@@ -9,7 +9,7 @@
 
 #include "forcebound/text/file.hpp"
 #include "tests/tools/lab/bench/readings.hpp"
-#include "tests/tools/lab/measures/percentile.hpp"
+#include "tests/tools/lab/trials/percentile.hpp"
 
 namespace forcebound::lab {
 namespace {

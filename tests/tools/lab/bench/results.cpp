@@ -10,7 +10,7 @@
 #include "forcebound/text/lines.hpp"
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/text/table.hpp"
-#include "tests/tools/lab/measures/percentile.hpp"
+#include "tests/tools/lab/trials/percentile.hpp"
 
 namespace forcebound::lab {
 namespace {

@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "forcebound/text/marks.hpp"
 #include "forcebound/text/terminal.hpp"
-#include "tests/tools/lab/measures/marks.hpp"
 
 /// The results of deploy/bench: one text file, from which the table, the figure and the numbers in
 /// tests/benchmark/README.md are made.
@@ -67,6 +67,6 @@ struct BenchResults {
 /// For tests/benchmark/README.md, as Markdown.
 [[nodiscard]] std::string to_markdown(const BenchResults& results);
 
-inline constexpr Marks kBenchMarks{"<!-- bench: made by deploy/bench --readme -->\n", "<!-- /bench -->\n"};
+inline constexpr text::Marks kBenchMarks{"<!-- bench: made by deploy/bench --readme -->\n", "<!-- /bench -->\n"};
 
 }  // namespace forcebound::lab

@@ -5,10 +5,10 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "forcebound/results/draw.hpp"
 #include "forcebound/text/table.hpp"
 #include "tests/tools/lab/comparison/pareto.hpp"
 #include "tests/tools/lab/comparison/trial.hpp"
-#include "tests/tools/lab/figures/draw.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -61,8 +61,8 @@ std::string comparison_csv(const Json& standings) {
     const auto all = standings_behind(standings.at("laws"), network);
     const auto best = unbeaten(all);
     for (std::size_t i = 0; i < all.size(); ++i) {
-      table.add({networks[network].get<std::string>(), all[i].law, figure_number(all[i].shown),
-                 figure_number(all[i].restlessness), all[i].sound ? "1" : "0",
+      table.add({networks[network].get<std::string>(), all[i].law, results::figure_number(all[i].shown),
+                 results::figure_number(all[i].restlessness), all[i].sound ? "1" : "0",
                  std::ranges::count(best, i) > 0 ? "1" : "0"});
     }
   }
@@ -76,8 +76,9 @@ std::string limits_csv(const Json& standings) {
   for (std::size_t hand = 0; hand < hands.size(); ++hand) {
     for (std::size_t i = 0; i < limits.size(); ++i) {
       const auto add = [&](const std::string& law, const Json& stiffness_N_per_m) {
-        table.add({hands[hand].at("hand").get<std::string>(), figure_number(1e3 * number(limits[i].at("delay_s"))), law,
-                   figure_number(1e-3 * number(stiffness_N_per_m))});
+        table.add({hands[hand].at("hand").get<std::string>(),
+                   results::figure_number(1e3 * number(limits[i].at("delay_s"))), law,
+                   results::figure_number(1e-3 * number(stiffness_N_per_m))});
       };
       add("2b/T", limits[i].at("passive_N_per_m"));
       add("b/(T/2 + 2t)", limits[i].at("delayed_N_per_m"));

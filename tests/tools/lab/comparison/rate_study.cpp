@@ -6,12 +6,12 @@
 
 #include "forcebound/device/load_device.hpp"
 #include "forcebound/device/simulated/make_operator.hpp"
+#include "forcebound/results/draw.hpp"
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/text/table.hpp"
-#include "tests/tools/lab/comparison/task.hpp"
 #include "tests/tools/lab/comparison/trial.hpp"
 #include "tests/tools/lab/comparison/workers.hpp"
-#include "tests/tools/lab/figures/draw.hpp"
+#include "tests/tools/lab/trials/task.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -95,9 +95,9 @@ std::string rate_csv(const std::vector<AtRate>& results) {
                      {"stable_N_per_mm"},
                      {"ideal_N_per_mm"},
                      {"own_N_per_mm"}});
-  const auto cell = [](double stiffness_N_per_m) { return figure_number(1e-3 * stiffness_N_per_m); };
+  const auto cell = [](double stiffness_N_per_m) { return results::figure_number(1e-3 * stiffness_N_per_m); };
   for (const AtRate& at : results) {
-    table.add({at.device, at.law, figure_number(at.rate_Hz), cell(at.passive_N_per_m), cell(at.late_N_per_m),
+    table.add({at.device, at.law, results::figure_number(at.rate_Hz), cell(at.passive_N_per_m), cell(at.late_N_per_m),
                cell(at.stable.N_per_m), cell(at.ideal.shown_N_per_m), cell(at.own.shown_N_per_m)});
   }
   return table.to_csv();

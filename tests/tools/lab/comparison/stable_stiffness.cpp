@@ -9,8 +9,8 @@
 #include "forcebound/device/load_device.hpp"
 #include "forcebound/device/tick_rate.hpp"
 #include "forcebound/server/environment/scene_parser.hpp"
-#include "tests/tools/lab/comparison/task.hpp"
-#include "tests/tools/lab/measures/measures.hpp"
+#include "tests/tools/lab/trials/measures.hpp"
+#include "tests/tools/lab/trials/task.hpp"
 #include "tests/tools/sim/closed_loop.hpp"
 
 namespace forcebound::lab {

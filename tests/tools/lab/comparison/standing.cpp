@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "forcebound/control/classic_text.hpp"
-#include "tests/tools/lab/measures/percentile.hpp"
+#include "tests/tools/lab/trials/percentile.hpp"
 
 #include "forcebound/baselines/baselines.hpp"
 

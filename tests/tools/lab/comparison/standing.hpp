@@ -3,13 +3,14 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "forcebound/text/marks.hpp"
 #include "tests/tools/lab/comparison/comparison_run.hpp"
-#include "tests/tools/lab/measures/marks.hpp"
 
 namespace forcebound::lab {
 
 /// The marks in a document between which `to_markdown`'s text stands.
-inline constexpr Marks kComparisonMarks{"<!-- comparison: made by deploy/comparison -->\n", "<!-- /comparison -->\n"};
+inline constexpr text::Marks kComparisonMarks{"<!-- comparison: made by deploy/comparison -->\n",
+                                              "<!-- /comparison -->\n"};
 
 /// A few numbers for each law. Over scenes and stiffnesses: the least P, the most of direction error and drift, the
 /// median of everything else; with the real device; P with both.

@@ -1,11 +1,11 @@
 #include <cmath>
 #include <utility>
 
+#include "forcebound/results/summary_cells.hpp"
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/text/table.hpp"
 #include "forcebound/text/terminal.hpp"
 #include "tests/tools/lab/comparison/standing.hpp"
-#include "tests/tools/lab/measures/summary_cells.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -72,8 +72,8 @@ std::string passivity_table(const Json& all) {
     const auto passive = [&](const char* device) {
       return text::rounded(100 * law.at(device).at("passive").get<double>() / trials);
     };
-    table.add({law_name(law), millijoules(law.at("ideal").at("least_P_J")), passive("ideal"),
-               millijoules(law.at("real").at("least_P_J")), passive("real"), percent_text(law.at("calm")),
+    table.add({law_name(law), results::millijoules(law.at("ideal").at("least_P_J")), passive("ideal"),
+               results::millijoules(law.at("real").at("least_P_J")), passive("real"), percent_text(law.at("calm")),
                number_text(law.at("ringing_s"))});
   }
   return "Passivity and rest, with ideal and with real devices: least P over all trials,\n"
@@ -209,8 +209,8 @@ std::string comparison_markdown(const Json& all) {
   text::Table table(std::move(columns));
   for (const Json& law : all.at("laws")) {
     if (!played(law)) continue;
-    std::vector<text::Table::Cell> row{"`" + law_name(law) + "`", millijoules(law.at("ideal").at("least_P_J")),
-                                       millijoules(law.at("real").at("least_P_J")), share(law.at("calm"))};
+    std::vector<text::Table::Cell> row{"`" + law_name(law) + "`", results::millijoules(law.at("ideal").at("least_P_J")),
+                                       results::millijoules(law.at("real").at("least_P_J")), share(law.at("calm"))};
     for (const char* const what : {"shown", "error"}) {
       for (const std::size_t i : networks) row.emplace_back(share(law.at("behind").at(i).at(what)));
     }

@@ -12,8 +12,8 @@
 #include "forcebound/record/running_statistics.hpp"
 #include "tests/tools/lab/accuracy/device_run.hpp"
 #include "tests/tools/lab/accuracy/reference_model.hpp"
-#include "tests/tools/lab/measures/measures.hpp"
-#include "tests/tools/lab/measures/percentile.hpp"
+#include "tests/tools/lab/trials/measures.hpp"
+#include "tests/tools/lab/trials/percentile.hpp"
 
 namespace forcebound::lab {
 namespace {

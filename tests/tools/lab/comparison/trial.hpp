@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "tests/tools/lab/comparison/task.hpp"
+#include "tests/tools/lab/trials/task.hpp"
 
 namespace forcebound::lab {
 

@@ -11,6 +11,8 @@
 #include "forcebound/client/app/identity_options.hpp"
 #include "forcebound/net/endpoint.hpp"
 #include "forcebound/program/command_line.hpp"
+#include "forcebound/program/output_options.hpp"
+#include "forcebound/results/outputs.hpp"
 #include "forcebound/text/file.hpp"
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/text/terminal.hpp"
@@ -18,8 +20,7 @@
 #include "tests/tools/lab/commands.hpp"
 #include "tests/tools/lab/load/capacity.hpp"
 #include "tests/tools/lab/load/load.hpp"
-#include "tests/tools/lab/option_checks.hpp"
-#include "tests/tools/lab/outputs.hpp"
+#include "tests/tools/lab/trials/option_checks.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -118,7 +119,7 @@ LoadOptions::Waiting waiting_of(const std::string& name) {
 }
 
 void run(LoadCommandOptions& options) {
-  prepare({.files = {options.json}});
+  results::prepare({.files = {options.json}});
   options.load.waiting = waiting_of(options.waiting);
   options.load.duration = time::from_seconds(options.duration_s);
   Load load(options.load);
@@ -187,7 +188,8 @@ void add_load(CLI::App& app) {
   command->add_option("--priority", options->load.priority, "real-time scheduling, SCHED_FIFO")
       ->type_name("N")
       ->check(program::whole_within(1, 99));
-  add_output(*command, "--json", options->json, "write the result to this file as well")->type_name("FILE.json");
+  program::add_output(*command, "--json", options->json, "write the result to this file as well")
+      ->type_name("FILE.json");
   command->footer(
       "With --rendering local each client asks for the scene and for local models, as forcebound-client does. All have "
       "the whole scene before a measurement begins.\n"

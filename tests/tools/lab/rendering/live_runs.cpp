@@ -7,10 +7,10 @@
 
 #include "forcebound/record/recording_reader.hpp"
 #include "forcebound/record/summary.hpp"
+#include "forcebound/results/summary_cells.hpp"
 #include "forcebound/server/environment/scene_library.hpp"
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/text/table.hpp"
-#include "tests/tools/lab/measures/summary_cells.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -37,13 +37,13 @@ struct LiveReader final : record::RecordingSink {
   std::vector<record::TickRecord> ticks;
 };
 
-double round_trip_us(const LiveRun& run) { return number_at(run.summary, "/rtt_us/p50"); }
+double round_trip_us(const LiveRun& run) { return results::number_at(run.summary, "/rtt_us/p50"); }
 
 /// The scene's run that is compared with; null if there is none.
 const LiveRun* without_delay(const std::vector<LiveRun>& runs, const std::string& scene) {
   const LiveRun* nearest = nullptr;
   for (const LiveRun& run : runs) {
-    if (run.scene != scene || rendering_of(run.summary) != "remote") continue;
+    if (run.scene != scene || results::rendering_of(run.summary) != "remote") continue;
     if (nearest == nullptr || round_trip_us(run) < round_trip_us(*nearest)) nearest = &run;
   }
   return nearest;
@@ -85,11 +85,11 @@ std::string live_runs_table(const std::vector<LiveRun>& runs, text::Colour colou
     scene = run.scene;
     const LiveRun* const beside = without_delay(runs, run.scene);
     const double displayed = beside == nullptr ? std::nan("") : displayed_over(run.figures, beside->figures);
-    const double late = number_at(run.summary, "/late_ticks") / number_at(run.summary, "/ticks");
-    table.add({rendering_of(run.summary), cell_at(run.summary, "/rtt_us/p50", 1e-3, 1), text::fixed(displayed, 3),
-               text::fixed(100 * run.figures.at_client, 1), least_P_cell(run.summary),
-               text::fixed(run.figures.ready_s, 2), text::fixed(100 * late, 2),
-               cell_at(run.summary, "/period_us/p99", 1e-3, 3)});
+    const double late = results::number_at(run.summary, "/late_ticks") / results::number_at(run.summary, "/ticks");
+    table.add({results::rendering_of(run.summary), results::cell_at(run.summary, "/rtt_us/p50", 1e-3, 1),
+               text::fixed(displayed, 3), text::fixed(100 * run.figures.at_client, 1),
+               results::least_P_cell(run.summary), text::fixed(run.figures.ready_s, 2), text::fixed(100 * late, 2),
+               results::cell_at(run.summary, "/period_us/p99", 1e-3, 3)});
   }
   return "Live on this machine:\n\n" + table.to_text(colour) +
          "\n"

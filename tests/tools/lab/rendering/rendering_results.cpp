@@ -14,6 +14,7 @@
 #include "forcebound/text/terminal.hpp"
 #include "forcebound/time/percentile.hpp"
 #include "tests/tools/lab/comparison/trial.hpp"
+#include "tests/tools/lab/figures/figure_scripts.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -297,7 +298,7 @@ std::string rendering_csv(const Json& study) {
     for (const char* const rendering : {"without_network", "remote", "local"}) {
       for (const RenderingQuantity& quantity : kRenderingQuantities) {
         const auto number_of = [&](OfSeeds which) {
-          return figure_number(figure_of(row, rendering, quantity.name, which));
+          return results::figure_number(figure_of(row, rendering, quantity.name, which));
         };
         table.add({row.at("class").get<std::string>(), row.at("scene").get<std::string>(),
                    row.at("condition").get<std::string>(), rendering, quantity.name, number_of(OfSeeds::median),
@@ -308,7 +309,7 @@ std::string rendering_csv(const Json& study) {
   return table.to_csv();
 }
 
-Figure rendering_figure(const Json& study) {
+results::Figure rendering_figure(const Json& study) {
   text::Table table({{"class"},
                      {"condition"},
                      {"remote_stiffness"},
@@ -328,12 +329,14 @@ Figure rendering_figure(const Json& study) {
       WorstOfRows worst;
       for (const Json& row : study.at("rows"))
         if (row.at("class") == one.name && row.at("condition") == condition) worst.add(row);
-      table.add({one.name, condition, figure_number(worst.remote), figure_number(worst.stiffness),
-                 figure_number(one.goal.stiffness), figure_number(worst.remote_error), figure_number(worst.error),
-                 figure_number(worst.error_without)});
+      table.add({one.name, condition, results::figure_number(worst.remote), results::figure_number(worst.stiffness),
+                 results::figure_number(one.goal.stiffness), results::figure_number(worst.remote_error),
+                 results::figure_number(worst.error), results::figure_number(worst.error_without)});
     }
   }
-  return {.script = "rendering", .csv = table.to_csv(), .subtitle = how_it_was_taken(study)};
+  return {.script = text::text_of(figure_scripts(), "rendering"),
+          .csv = table.to_csv(),
+          .subtitle = how_it_was_taken(study)};
 }
 
 }  // namespace forcebound::lab

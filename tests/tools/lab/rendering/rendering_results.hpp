@@ -4,13 +4,13 @@
 #include <string>
 #include <vector>
 
-#include "tests/tools/lab/figures/draw.hpp"
-#include "tests/tools/lab/measures/marks.hpp"
+#include "forcebound/results/draw.hpp"
+#include "forcebound/text/marks.hpp"
 #include "tests/tools/lab/rendering/rendering_study.hpp"
 
 namespace forcebound::lab {
 
-inline constexpr Marks kRenderingMarks{"<!-- rendering: made by deploy/rendering -->\n", "<!-- /rendering -->\n"};
+inline constexpr text::Marks kRenderingMarks{"<!-- rendering: made by deploy/rendering -->\n", "<!-- /rendering -->\n"};
 
 /// Each figure of each scene and network, without a network, remote and local: [median, least, most] over the seeds.
 /// What is infinite or not a number is null in a file: a contact that was never felt, for example.
@@ -33,6 +33,6 @@ inline constexpr Marks kRenderingMarks{"<!-- rendering: made by deploy/rendering
 
 /// Displayed stiffness and E_dev of each class behind each network, remote and local (rendering.gnuplot): the worst of
 /// its scenes, of medians over the seeds.
-[[nodiscard]] Figure rendering_figure(const nlohmann::ordered_json& study);
+[[nodiscard]] results::Figure rendering_figure(const nlohmann::ordered_json& study);
 
 }  // namespace forcebound::lab

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "tests/tools/lab/comparison/task.hpp"
 #include "tests/tools/lab/rendering/rendering_task.hpp"
 #include "tests/tools/lab/rendering/true_force_meter.hpp"
+#include "tests/tools/lab/trials/task.hpp"
 #include "tests/tools/sim/closed_loop.hpp"
 
 namespace forcebound::lab {

@@ -9,7 +9,7 @@
 #include "forcebound/device/simulated/smooth_step.hpp"
 #include "forcebound/server/environment/scene_parser.hpp"
 #include "forcebound/text/numbers.hpp"
-#include "tests/tools/lab/comparison/task.hpp"
+#include "tests/tools/lab/trials/task.hpp"
 #include "tests/tools/sim/firm_device.hpp"
 #include "tests/tools/sim/shared_loop.hpp"
 

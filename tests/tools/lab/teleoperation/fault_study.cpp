@@ -5,9 +5,9 @@
 #include <functional>
 #include <limits>
 
+#include "forcebound/results/summary_cells.hpp"
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/text/table.hpp"
-#include "tests/tools/lab/measures/summary_cells.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -123,7 +123,7 @@ std::string fault_text(const std::vector<FaultRow>& rows) {
     table.add({row.fault, milliseconds(row.holding_s), milliseconds(row.stopping_s), milliseconds(row.stopped_s),
                milliseconds(row.hand_free_s), milliseconds(row.following_s), text::fixed(row.step_N_per_ms, 2),
                text::fixed(1e3 * row.speed_m_per_s, 0), text::fixed(row.contact_N_max, 1),
-               millijoules(std::min(row.leader_minimum_J, row.follower_minimum_J))});
+               results::millijoules(std::min(row.leader_minimum_J, row.follower_minimum_J))});
   }
   return table.to_text() +
          "\n  The fault lasts from 6 to 8 s, while the tool presses on the wall; a hand\n"

@@ -6,9 +6,9 @@
 #include <memory>
 #include <numbers>
 
+#include "forcebound/results/summary_cells.hpp"
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/text/table.hpp"
-#include "tests/tools/lab/measures/summary_cells.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -114,7 +114,7 @@ std::string impedance_text(const std::vector<ImpedanceRow>& rows, double wall_N_
   std::string heading;
   for (const ImpedanceRow& row : rows) {
     const std::string now =
-        std::string(row.in_contact ? "in contact, " : "free space, ") + network_in_words(row.network);
+        std::string(row.in_contact ? "in contact, " : "free space, ") + results::network_in_words(row.network);
     if (now != heading) {
       table.add_heading(heading = now);
       std::vector<text::Table::Cell> ideal{row.in_contact ? "the wall itself" : "free space itself"};
@@ -130,7 +130,7 @@ std::string impedance_text(const std::vector<ImpedanceRow>& rows, double wall_N_
       cells.emplace_back(text::rounded(std::abs(at.N_s_per_m)) + " " +
                          text::fixed(std::arg(at.N_s_per_m) * 180 / std::numbers::pi, 0));
     }
-    cells.emplace_back(millijoules(row.least_P_J));
+    cells.emplace_back(results::millijoules(row.least_P_J));
     table.add(cells);
   }
   return table.to_text() +

@@ -8,9 +8,10 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "forcebound/results/summary_cells.hpp"
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/time/percentile.hpp"
-#include "tests/tools/lab/measures/summary_cells.hpp"
+#include "tests/tools/lab/figures/figure_scripts.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -75,7 +76,7 @@ Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nul
 
 text::Table::Cell energy(double least_J) {
   constexpr double kRounding_J = -1e-9;
-  return {millijoules(least_J), least_J < kRounding_J ? text::Table::Mark::alarm : text::Table::Mark::none};
+  return {results::millijoules(least_J), least_J < kRounding_J ? text::Table::Mark::alarm : text::Table::Mark::none};
 }
 
 }  // namespace
@@ -114,7 +115,7 @@ text::Table teleoperation_table(const std::vector<TeleoperationGroup>& groups) {
   std::string heading;
   for (const TeleoperationGroup& group : groups) {
     const TeleoperationMeasures& m = group.median;
-    if (const std::string now = group.task + ", " + network_in_words(group.network); now != heading)
+    if (const std::string now = group.task + ", " + results::network_in_words(group.network); now != heading)
       table.add_heading(heading = now);
     table.add({group.architecture, group.law, energy(m.leader_minimum_J), energy(m.follower_minimum_J),
                text::fixed(1e3 * m.tracking_rms_m, 1), text::fixed(m.force_error_rms_N, 1), text::fixed(m.peak_N, 0),
@@ -151,8 +152,8 @@ std::string teleoperation_words(const std::vector<TeleoperationGroup>& groups) {
       done += group.succeeded;
     }
     words += "  " + law + ": " + std::to_string(runs) + " runs, " + std::to_string(done) +
-             " done; least P at the hand " + millijoules(hand_J) + " mJ, at the robot " + millijoules(robot_J) +
-             " mJ\n";
+             " done; least P at the hand " + results::millijoules(hand_J) + " mJ, at the robot " +
+             results::millijoules(robot_J) + " mJ\n";
   }
   return words;
 }
@@ -194,14 +195,14 @@ nlohmann::ordered_json teleoperation_json(const std::vector<TeleoperationRow>& r
   return all;
 }
 
-Figure teleoperation_figure(const std::vector<TeleoperationGroup>& groups) {
+results::Figure teleoperation_figure(const std::vector<TeleoperationGroup>& groups) {
   std::string csv = "network,task,architecture,law,tracking_mm,force_N\n";
   for (const TeleoperationGroup& group : groups) {
     csv += group.network + ',' + group.task + ',' + group.architecture + ',' + group.law + ',' +
-           figure_number(1e3 * group.median.tracking_rms_m) + ',' + figure_number(group.median.force_error_rms_N) +
-           '\n';
+           results::figure_number(1e3 * group.median.tracking_rms_m) + ',' +
+           results::figure_number(group.median.force_error_rms_N) + '\n';
   }
-  return {.script = "teleoperation", .csv = readable_by_gnuplot(csv)};
+  return {.script = text::text_of(figure_scripts(), "teleoperation"), .csv = results::readable_by_gnuplot(csv)};
 }
 
 }  // namespace forcebound::lab

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "forcebound/results/draw.hpp"
 #include "forcebound/text/table.hpp"
-#include "tests/tools/lab/figures/draw.hpp"
 #include "tests/tools/lab/teleoperation/teleoperation_study.hpp"
 
 namespace forcebound::lab {
@@ -36,6 +36,6 @@ struct TeleoperationGroup {
 [[nodiscard]] nlohmann::ordered_json teleoperation_json(const std::vector<TeleoperationRow>& rows);
 
 /// Force error and tracking error, a row for each network and architecture (teleoperation.gnuplot).
-[[nodiscard]] Figure teleoperation_figure(const std::vector<TeleoperationGroup>& groups);
+[[nodiscard]] results::Figure teleoperation_figure(const std::vector<TeleoperationGroup>& groups);
 
 }  // namespace forcebound::lab

@@ -10,9 +10,9 @@
 #include "forcebound/device/device_description.hpp"
 #include "forcebound/server/follower/follower.hpp"
 #include "forcebound/server/robot/task.hpp"
-#include "tests/tools/lab/comparison/task.hpp"
 #include "tests/tools/lab/teleoperation/robot_flaws.hpp"
 #include "tests/tools/lab/teleoperation/script_operator.hpp"
+#include "tests/tools/lab/trials/task.hpp"
 #include "tests/tools/sim/closed_loop.hpp"
 
 namespace forcebound::lab {

@@ -7,10 +7,10 @@
 #include <stdexcept>
 
 #include "forcebound/device/load_device.hpp"
+#include "forcebound/results/summary_cells.hpp"
 #include "forcebound/server/environment/scene_parser.hpp"
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/text/table.hpp"
-#include "tests/tools/lab/measures/summary_cells.hpp"
 #include "tests/tools/lab/teleoperation/last_tick.hpp"
 
 namespace forcebound::lab {
@@ -218,7 +218,7 @@ std::string touch_text(const std::vector<TouchRow>& rows) {
   const double alone_N_per_m = rows.front().second.displayed_N_per_m;
   std::string network = rows.front().network;
   for (const TouchRow& row : rows) {
-    if (row.network != network) table.add_heading(network_in_words(network = row.network));
+    if (row.network != network) table.add_heading(results::network_in_words(network = row.network));
     const auto after = [](const Touch& touch) {
       return touch.felt ? text::fixed(1e3 * touch.felt_after_s, 0) : "never";
     };
@@ -227,7 +227,7 @@ std::string touch_text(const std::vector<TouchRow>& rows) {
                text::fixed(1e3 * row.second.depth_when_felt_m, 2), text::fixed(1e-3 * row.second.displayed_N_per_m, 2),
                text::fixed(row.displayed_friction, 2),
                text::fixed(std::max(row.first.most_N_per_ms, row.second.most_N_per_ms), 2),
-               millijoules(std::min(row.leader_minimum_J, row.follower_minimum_J))});
+               results::millijoules(std::min(row.leader_minimum_J, row.follower_minimum_J))});
   }
   return table.to_text() +
          "\n  1st    from where the hand crosses the wall until it feels 0.5 N more, on the\n"

@@ -46,7 +46,7 @@ TEST(FirstWords, SayWhetherTheDeviceIsSimulated) {
 
 TEST(FirstWords, SayThatTheBoundsOfARealDeviceAreNotIdentified) {
   EXPECT_EQ(first_words(Thing(false), ""),
-            "device 'thing' is not simulated, its bounds not identified (forcebound-lab identify measures them)");
+            "device 'thing' is not simulated, its bounds not identified (forcebound identify measures them)");
 }
 
 TEST(FirstWords, ASimulationHasExactlyItsBoundsWhetherThoseOfTheRealDeviceAreGuessesOrNot) {

@@ -1,5 +1,5 @@
 #include "tests/tools/lab/bench/readings.hpp"
-#include "tests/tools/lab/measures/percentile.hpp"
+#include "tests/tools/lab/trials/percentile.hpp"
 
 #include <gmock/gmock.h>
 

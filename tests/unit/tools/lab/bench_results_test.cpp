@@ -97,25 +97,6 @@ TEST(BenchTable, HasARowOfTheCommittedResultsOnOneLineOf100Columns) {
   }
 }
 
-TEST(Marks, TakeWhatIsBetweenThemAndLeaveTheRest) {
-  const std::string document =
-      "before\n" + std::string(kBenchMarks.begin) + "old\n" + std::string(kBenchMarks.end) + "after\n";
-  EXPECT_EQ(between_marks(document, kBenchMarks), "old\n");
-  const std::string after = with_between_marks(document, kBenchMarks, "new\nlines\n");
-  EXPECT_EQ(between_marks(after, kBenchMarks), "new\nlines\n");
-  EXPECT_THAT(after, testing::StartsWith("before\n<!-- bench"));
-  EXPECT_THAT(after, testing::EndsWith("<!-- /bench -->\nafter\n"));
-}
-
-TEST(Marks, AreNeededOnceEach) {
-  EXPECT_THROW(static_cast<void>(between_marks("nothing", kBenchMarks)), std::runtime_error);
-  const std::string once = std::string(kBenchMarks.begin) + std::string(kBenchMarks.end);
-  EXPECT_THROW(static_cast<void>(between_marks(once + once, kBenchMarks)), std::runtime_error);
-  EXPECT_THROW(
-      static_cast<void>(between_marks(std::string(kBenchMarks.end) + std::string(kBenchMarks.begin), kBenchMarks)),
-      std::runtime_error);
-}
-
 TEST(Collect, NamesWhatIsMissing) {
   EXPECT_THAT([] { static_cast<void>(collect("/nowhere")); },
               ThrowsMessage<std::runtime_error>(HasSubstr("/nowhere/machine.txt")));
@@ -126,7 +107,8 @@ TEST(Page, QuotesTheCommittedBenchmarkResultsAndNoOthers) {
   const std::string root = test::source_folder().string();
   const std::string file = root + "/deploy/bench-results.csv";
   const BenchResults committed = parse_bench_csv(text::read_file(file), file);
-  EXPECT_EQ(between_marks(text::read_file(root + "/tests/benchmark/README.md"), kBenchMarks), to_markdown(committed))
+  EXPECT_EQ(text::between_marks(text::read_file(root + "/tests/benchmark/README.md"), kBenchMarks),
+            to_markdown(committed))
       << "the benchmarks in tests/benchmark/README.md are not those of deploy/bench-results.csv: run deploy/bench "
          "--readme";
 }

@@ -15,11 +15,11 @@
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/time/steady_clock.hpp"
 #include "tests/tools/lab/accuracy/study.hpp"
-#include "tests/tools/lab/option_checks.hpp"
 #include "tests/tools/lab/rendering/rendering_study.hpp"
 #include "tests/tools/lab/soak/soak.hpp"
 #include "tests/tools/lab/soak/soak_case.hpp"
-#include "tests/tools/lab/trials.hpp"
+#include "tests/tools/lab/trials/option_checks.hpp"
+#include "tests/tools/lab/trials/trials.hpp"
 
 // Every scene that ships on every device that ships and that it accepts, for a tenth of a second; what it does not
 // accept is refused in one line. The live page does the same in tests/process, the Python package in tests/python.

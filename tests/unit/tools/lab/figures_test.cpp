@@ -7,15 +7,17 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "forcebound/results/draw.hpp"
+#include "forcebound/results/figure_scripts.hpp"
+#include "forcebound/results/laws_figure.hpp"
+#include "forcebound/results/run_figure.hpp"
 #include "forcebound/text/file.hpp"
 #include "forcebound/text/lines.hpp"
 #include "tests/support/source_folder.hpp"
 #include "tests/tools/lab/accuracy/study_figure.hpp"
 #include "tests/tools/lab/bench/results.hpp"
 #include "tests/tools/lab/comparison/comparison_figure.hpp"
-#include "tests/tools/lab/figures/draw.hpp"
-#include "tests/tools/lab/figures/laws_figure.hpp"
-#include "tests/tools/lab/figures/run_figure.hpp"
+#include "tests/tools/lab/figures/figure_scripts.hpp"
 #include "tests/tools/lab/passivity.hpp"
 #include "tests/tools/lab/rendering/rendering_results.hpp"
 #include "tests/tools/temporary_folder.hpp"
@@ -38,8 +40,8 @@ Json committed(const std::string& file) {
   return Json::parse(text::read_file((test::source_folder() / "deploy" / file).string()));
 }
 
-LawsFigure two_laws(const std::string& title) {
-  LawsFigure figure(title, "K_1 {x}^2 %s \\ 'quoted'");
+results::LawsFigure two_laws(const std::string& title) {
+  results::LawsFigure figure(title, "K_1 {x}^2 %s \\ 'quoted'");
   for (const char* const law : {"none", "fba-exact"}) {
     record::test::play_sample_run(figure.add_reference(law), 500);
     record::test::play_sample_run(figure.add_run(law, std::string("remote rendering: ") + law), 500);
@@ -69,7 +71,7 @@ Png size_of(const std::filesystem::path& file) {
 }
 
 // Each figure that is committed or that a command draws, from real data where there are any.
-std::vector<Figure> every_figure() {
+std::vector<results::Figure> every_figure() {
   const Json comparison = committed("comparison-results.json");
   const std::string bench_file = (test::source_folder() / "deploy/bench-results.csv").string();
   const BenchResults bench = parse_bench_csv(text::read_file(bench_file), bench_file);
@@ -77,35 +79,37 @@ std::vector<Figure> every_figure() {
   for (const PassivityCondition& condition : passivity_conditions()) {
     leaks.push_back({.condition = condition, .least_P_J = -1e-4 * condition.latency_s});
   }
-  RunFigure run(record::test::sample_info(), "run.mcap");
+  results::RunFigure run(record::test::sample_info(), "run.mcap");
   record::test::play_sample_run(run, 5000);
   const std::string long_words = "a hand with more settings than fit on a line of a picture, ";
-  return {
-      {.script = "comparison", .csv = comparison_csv(comparison)},
-      {.script = "limits", .csv = limits_csv(comparison)},
-      study_figure(committed("accuracy-results.json")),
-      {.script = "ratios", .csv = ratios_csv(bench)},
-      {.script = "leaks", .csv = passivity_csv(leaks)},
-      rendering_figure(committed("rendering-results.json")),
-      {.script = "laws",
-       .csv = two_laws("").to_csv(),
-       .title = "two laws compared on /a/path/to/a/file/of/some/length/with/a/name/like/scene.toml",
-       .subtitle = long_words + long_words + long_words + std::string(100, 'x')},
-      {.script = "run", .csv = run.to_csv(), .title = run.title(), .subtitle = long_words + long_words + long_words},
-      {.script = "fleet",
-       .csv = "time_s,sessions,waiting,in_use,ready,starting\n0,0,0,0,40,0\n1,49,0,1,39,0\n"
-              "2,98,70,1,38,1\n3,120,0,2,39,1\n4,121,0,2,40,0\n"},
-      {.script = "slides",
-       .csv = "joint,direction,speed,force,damping,friction,speed_unit,force_unit\n"
-              "0,1,0.1,3,20,0.9,m/s,N\n0,-1,0.1,3.2,20,0.9,m/s,N\n0,1,0.2,5.2,20,0.9,m/s,N\n"},
-      {.script = "rates",
-       .csv = "device,law,rate_Hz,passive_N_per_mm,late_N_per_mm,ideal_N_per_mm,own_N_per_mm\n"
-              "wall-1dof,none,500,30,28,31,20\nwall-1dof,none,1000,60,52,61,33\n"},
-      {.script = "teleoperation",
-       .csv = "network,task,architecture,law,tracking_mm,force_N\n"
-              "none,plug,position-position,fba-exact,2,3\n"
-              "none,plug,position-position,none,1.5,2\n"
-              "delay 10ms,plug,position-position,fba-exact,nan,nan\n"}};
+  return {{.script = text::text_of(figure_scripts(), "comparison"), .csv = comparison_csv(comparison)},
+          {.script = text::text_of(figure_scripts(), "limits"), .csv = limits_csv(comparison)},
+          study_figure(committed("accuracy-results.json")),
+          {.script = text::text_of(figure_scripts(), "ratios"), .csv = ratios_csv(bench)},
+          {.script = text::text_of(figure_scripts(), "leaks"), .csv = passivity_csv(leaks)},
+          rendering_figure(committed("rendering-results.json")),
+          {.script = text::text_of(results::figure_scripts(), "laws"),
+           .csv = two_laws("").to_csv(),
+           .title = "two laws compared on /a/path/to/a/file/of/some/length/with/a/name/like/scene.toml",
+           .subtitle = long_words + long_words + long_words + std::string(100, 'x')},
+          {.script = text::text_of(results::figure_scripts(), "run"),
+           .csv = run.to_csv(),
+           .title = run.title(),
+           .subtitle = long_words + long_words + long_words},
+          {.script = text::text_of(figure_scripts(), "fleet"),
+           .csv = "time_s,sessions,waiting,in_use,ready,starting\n0,0,0,0,40,0\n1,49,0,1,39,0\n"
+                  "2,98,70,1,38,1\n3,120,0,2,39,1\n4,121,0,2,40,0\n"},
+          {.script = text::text_of(results::figure_scripts(), "slides"),
+           .csv = "joint,direction,speed,force,damping,friction,speed_unit,force_unit\n"
+                  "0,1,0.1,3,20,0.9,m/s,N\n0,-1,0.1,3.2,20,0.9,m/s,N\n0,1,0.2,5.2,20,0.9,m/s,N\n"},
+          {.script = text::text_of(figure_scripts(), "rates"),
+           .csv = "device,law,rate_Hz,passive_N_per_mm,late_N_per_mm,ideal_N_per_mm,own_N_per_mm\n"
+                  "wall-1dof,none,500,30,28,31,20\nwall-1dof,none,1000,60,52,61,33\n"},
+          {.script = text::text_of(figure_scripts(), "teleoperation"),
+           .csv = "network,task,architecture,law,tracking_mm,force_N\n"
+                  "none,plug,position-position,fba-exact,2,3\n"
+                  "none,plug,position-position,none,1.5,2\n"
+                  "delay 10ms,plug,position-position,fba-exact,nan,nan\n"}};
 }
 
 /// Whether any point of the picture's outermost four is not white, as a text is that goes beyond it. gnuplot reads it.
@@ -137,12 +141,12 @@ bool touches_its_edge(const std::filesystem::path& png) {
 
 TEST(Figures, AreDrawnWithoutAWarningAndWithinTheCanvas) {
   if (!has_gnuplot()) GTEST_SKIP() << "gnuplot is not installed (gnuplot-nox)";
-  for (const Figure& figure : every_figure()) {
-    SCOPED_TRACE(figure.script);
+  for (const results::Figure& figure : every_figure()) {
+    SCOPED_TRACE(figure.csv.substr(0, figure.csv.find('\n')));
     const TemporaryFolder folder;
-    const auto png = folder.path() / (figure.script + ".png");
+    const auto png = folder.path() / "figure.png";
     testing::internal::CaptureStderr();
-    EXPECT_EQ(draw(figure, png), png);
+    EXPECT_EQ(results::draw(figure, png), png);
     EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
     const Png size = size_of(png);
     EXPECT_GE(size.width, 740);
@@ -168,7 +172,9 @@ TEST(Figures, LeaveDataAndAScriptThatDrawsThemAgain) {
   if (!has_gnuplot()) GTEST_SKIP() << "gnuplot is not installed (gnuplot-nox)";
   const TemporaryFolder folder;
   const auto png = folder.path() / "two laws.png";
-  draw({.script = "laws", .csv = two_laws("").to_csv(), .title = "title"}, png);
+  results::draw(
+      {.script = text::text_of(results::figure_scripts(), "laws"), .csv = two_laws("").to_csv(), .title = "title"},
+      png);
   const std::string drawn = text::read_file(png.string());
   std::filesystem::remove(png);
   ASSERT_TRUE(std::filesystem::exists(folder.path() / "two laws.csv"));
@@ -193,8 +199,12 @@ TEST(Figures, ThatCannotBeWrittenAreRefusedByName) {
 TEST(Figures, SayWhatGnuplotCannotRead) {
   if (!has_gnuplot()) GTEST_SKIP() << "gnuplot is not installed (gnuplot-nox)";
   const TemporaryFolder folder;
-  EXPECT_THAT([&] { draw({.script = "ratios", .csv = "what,ever\n"}, folder.path() / "bad.png"); },
-              ThrowsMessage<std::runtime_error>(AllOf(HasSubstr("bad.png"), HasSubstr("gnuplot"))));
+  EXPECT_THAT(
+      [&] {
+        results::draw({.script = text::text_of(figure_scripts(), "ratios"), .csv = "what,ever\n"},
+                      folder.path() / "bad.png");
+      },
+      ThrowsMessage<std::runtime_error>(AllOf(HasSubstr("bad.png"), HasSubstr("gnuplot"))));
 }
 
 TEST(Figures, WithoutGnuplotLeaveDataAndScriptAndNameThePackageToInstall) {
@@ -245,7 +255,8 @@ TEST(ComparisonFigure, ShowsEveryLawThatPlayedAndCallsUnbeatenWhatRestsAndIsPass
   if (!has_gnuplot()) GTEST_SKIP() << "gnuplot is not installed (gnuplot-nox)";
   const TemporaryFolder folder;
   testing::internal::CaptureStderr();
-  draw({.script = "comparison", .csv = comparison_csv(standings)}, folder.file("comparison.png"));
+  results::draw({.script = text::text_of(figure_scripts(), "comparison"), .csv = comparison_csv(standings)},
+                folder.file("comparison.png"));
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
@@ -263,14 +274,14 @@ TEST(LimitsFigure, HasEveryLawAndTheoryUnderEachHandAtEachDelay) {
 
 TEST(AccuracyFigure, HasEverySettingBehindEachNetworkAndMarksTheLeastErrorOnce) {
   const Json study = committed("accuracy-results.json");
-  const Figure figure = study_figure(study);
+  const results::Figure figure = study_figure(study);
   const std::size_t networks = study.at("settings").at(0).at("behind").size();
   EXPECT_EQ(lines_with(figure.csv, "\"[ 9, 9, 3 ]\","), networks);
   EXPECT_THAT(figure.subtitle, HasSubstr("tissue.pad.shape.cells"));
   // By round trip: all errors, and those that are marked.
   std::map<std::string, std::vector<double>> errors;
   std::map<std::string, std::vector<double>> marked;
-  const std::string csv = readable_by_gnuplot(figure.csv);
+  const std::string csv = results::readable_by_gnuplot(figure.csv);
   for (const auto line : text::split(csv, '\n')) {
     const auto cells = text::split(line, ',');
     if (cells.size() < 10 || cells[0] == "setting") continue;
@@ -311,10 +322,10 @@ TEST(RunFigure, SaysInItsTitleWhichRunItIs) {
   info.rendering = "local";
   info.scene = "";
   info.simulated = "dome (lathe): surface stiffness_N_per_m 10000";
-  EXPECT_EQ(RunFigure(info, "fba-exact-local.mcap").title(),
+  EXPECT_EQ(results::RunFigure(info, "fba-exact-local.mcap").title(),
             "fba-exact-local.mcap: fba-exact on dome (lathe), local rendering");
   info.scene = "sphere";
-  EXPECT_EQ(RunFigure(info, "a.mcap").title(), "a.mcap: fba-exact on sphere, local rendering");
+  EXPECT_EQ(results::RunFigure(info, "a.mcap").title(), "a.mcap: fba-exact on sphere, local rendering");
 }
 
 TEST(Draw, RefusesToReplaceAFileOfTheCommand) {
@@ -322,13 +333,13 @@ TEST(Draw, RefusesToReplaceAFileOfTheCommand) {
   const std::string csv = folder.file("../") + folder.path().filename().string() + "/a.csv";
   EXPECT_THAT(
       [&] {
-        expect_drawable(folder.file("a.png"), {"", "b.csv", csv});
+        results::expect_drawable(folder.file("a.png"), {"", "b.csv", csv});
       },
       ThrowsMessage<std::invalid_argument>(HasSubstr("would replace " + csv)));
-  EXPECT_NO_THROW(expect_drawable(folder.file("a.png"), {"", folder.file("b.csv"), "a.csv"}));
+  EXPECT_NO_THROW(results::expect_drawable(folder.file("a.png"), {"", folder.file("b.csv"), "a.csv"}));
   const std::string pdf = folder.file("a.pdf");
-  EXPECT_NO_THROW(expect_drawable(folder.file("a.png"), {pdf}));
-  EXPECT_THAT([&] { expect_drawable(folder.file("a.png"), {pdf}, {"pdf"}); },
+  EXPECT_NO_THROW(results::expect_drawable(folder.file("a.png"), {pdf}));
+  EXPECT_THAT([&] { results::expect_drawable(folder.file("a.png"), {pdf}, {"pdf"}); },
               ThrowsMessage<std::invalid_argument>(HasSubstr("would replace " + pdf)));
 }
 
@@ -336,7 +347,7 @@ TEST(Draw, ReplacesDataAndScriptOfAnEarlierFigureAlone) {
   const TemporaryFolder folder;
   const std::string png = folder.file("run.png");
   const auto is_none_of_ours = [&](const std::string& file) {
-    EXPECT_THAT([&] { expect_drawable(png, {}); },
+    EXPECT_THAT([&] { results::expect_drawable(png, {}); },
                 ThrowsMessage<std::runtime_error>(AllOf(StartsWith(file), HasSubstr("not of an earlier one"))));
   };
   text::write_file(folder.file("run.csv"), "time_s,x_m\n");
@@ -346,14 +357,14 @@ TEST(Draw, ReplacesDataAndScriptOfAnEarlierFigureAlone) {
   std::filesystem::remove(folder.file("run.gnuplot"));
   std::filesystem::remove(folder.file("run.csv"));
   two_laws("").draw_to(png);  // data and script at least: gnuplot may be missing
-  EXPECT_NO_THROW(expect_drawable(png, {}));
+  EXPECT_NO_THROW(results::expect_drawable(png, {}));
 }
 
 TEST(Draw, WritesNoFieldThatGnuplotWouldTakeForTwo) {
-  EXPECT_EQ(readable_by_gnuplot("a,b\n1,2\n"), "a,b\n1,2\n");
-  EXPECT_EQ(readable_by_gnuplot("run,x\n\"[ 9, 9, 3 ]\",1\n\"none a,b.mcap\",2\n"),
+  EXPECT_EQ(results::readable_by_gnuplot("a,b\n1,2\n"), "a,b\n1,2\n");
+  EXPECT_EQ(results::readable_by_gnuplot("run,x\n\"[ 9, 9, 3 ]\",1\n\"none a,b.mcap\",2\n"),
             "run,x\n[ 9 9 3 ],1\nnone a b.mcap,2\n");
-  EXPECT_EQ(readable_by_gnuplot("\"the \"\"best\"\"\ntoday\",\"\",1\n"), "the 'best' today,,1\n");
+  EXPECT_EQ(results::readable_by_gnuplot("\"the \"\"best\"\"\ntoday\",\"\",1\n"), "the 'best' today,,1\n");
 }
 
 TEST(Draw, LeavesTheOldPictureWhereItFails) {
@@ -361,7 +372,8 @@ TEST(Draw, LeavesTheOldPictureWhereItFails) {
   const TemporaryFolder folder;
   const std::string png = folder.file("a.png");
   text::write_file(png, "old");
-  EXPECT_THROW(draw({.script = "ratios", .csv = "no such columns\n1\n"}, png), std::runtime_error);
+  EXPECT_THROW(results::draw({.script = text::text_of(figure_scripts(), "ratios"), .csv = "no such columns\n1\n"}, png),
+               std::runtime_error);
   EXPECT_EQ(text::read_file(png), "old");
 }
 

@@ -55,7 +55,8 @@ TEST(StudyMarkdown, NeverCallsASettingBestThatIsNotPassive) {
 TEST(Page, QuotesTheCommittedStudyAndNoOther) {
   const std::string root = test::source_folder().string();
   const auto committed = nlohmann::ordered_json::parse(text::read_file(root + "/deploy/accuracy-results.json"));
-  EXPECT_EQ(between_marks(text::read_file(root + "/tests/tools/lab/README.md"), kAccuracyMarks), to_markdown(committed))
+  EXPECT_EQ(text::between_marks(text::read_file(root + "/tests/tools/lab/README.md"), kAccuracyMarks),
+            to_markdown(committed))
       << "the study in tests/tools/lab/README.md is not that of deploy/accuracy-results.json: run deploy/accuracy";
 }
 

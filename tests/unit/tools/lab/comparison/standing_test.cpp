@@ -108,7 +108,7 @@ TEST(Comparison, PassesOnWhatALawRefuses) {
 TEST(Page, QuotesTheCommittedComparisonAndNoOther) {
   const std::string root = test::source_folder().string();
   const auto committed = nlohmann::ordered_json::parse(text::read_file(root + "/deploy/comparison-results.json"));
-  EXPECT_EQ(between_marks(text::read_file(root + "/common/forcebound/baselines/README.md"), kComparisonMarks),
+  EXPECT_EQ(text::between_marks(text::read_file(root + "/common/forcebound/baselines/README.md"), kComparisonMarks),
             comparison_markdown(committed))
       << "the comparison in common/forcebound/baselines/README.md is not that of deploy/comparison-results.json: run "
          "deploy/comparison --keep";

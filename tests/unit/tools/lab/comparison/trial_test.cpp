@@ -1,4 +1,4 @@
-#include "tests/tools/lab/comparison/task.hpp"
+#include "tests/tools/lab/trials/task.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

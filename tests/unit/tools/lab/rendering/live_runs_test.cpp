@@ -11,7 +11,7 @@
 #include "forcebound/device/load_device.hpp"
 #include "forcebound/record/recording_writer.hpp"
 #include "forcebound/server/environment/scene_library.hpp"
-#include "tests/tools/lab/comparison/task.hpp"
+#include "tests/tools/lab/trials/task.hpp"
 #include "tests/tools/sim/closed_loop.hpp"
 #include "tests/tools/temporary_folder.hpp"
 #include "tests/unit/record/sample_run.hpp"

@@ -126,7 +126,7 @@ TEST(RenderingResults, AreDrawnByTheWorstSceneOfEachClass) {
   RenderingRow worse = good_row();
   worse.task = "plane, pressed";
   for (RenderingFigures& run : worse.local) run.stiffness_N_per_m = 9e3;
-  const Figure figure = rendering_figure(study_of_rows({good_row(), worse}));
+  const results::Figure figure = rendering_figure(study_of_rows({good_row(), worse}));
   EXPECT_EQ(figure.csv,
             "class,condition,remote_stiffness,local_stiffness,wanted_stiffness,remote_error,local_error,without_error\n"
             "plane,100 ms,1,0.9,0.99,0.02,0.02,0.02\n");
@@ -140,7 +140,8 @@ TEST(RenderingResults, AreDrawnByTheWorstSceneOfEachClass) {
 TEST(RenderingPage, QuotesTheCommittedStudyAndNoOther) {
   const std::string root = test::source_folder().string();
   const auto committed = nlohmann::ordered_json::parse(text::read_file(root + "/deploy/rendering-results.json"));
-  EXPECT_EQ(between_marks(text::read_file(root + "/client/README.md"), kRenderingMarks), rendering_markdown(committed))
+  EXPECT_EQ(text::between_marks(text::read_file(root + "/client/README.md"), kRenderingMarks),
+            rendering_markdown(committed))
       << "the study in client/README.md is not that of deploy/rendering-results.json: run deploy/rendering";
 }
 

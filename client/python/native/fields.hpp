@@ -1,0 +1,69 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "python/native/arrays.hpp"
+
+namespace forcebound::python {
+
+/// What Python sees of a plain struct: each field once, for the constructor, `replace` and the attributes.
+template <class Struct>
+struct Field {
+  const char* name;
+  const char* doc;
+  py::object (*get)(const Struct&);
+  void (*set)(Struct&, py::handle value, const char* name);
+};
+
+/// @param fields each with `name` and `set` @throws py::type_error naming the fields there are
+template <class Struct, class Fields>
+void set_fields(Struct& into, const py::kwargs& changes, const Fields& fields, const char* type) {
+  for (const auto& [key, value] : changes) {
+    const auto name = key.template cast<std::string>();
+    bool known = false;
+    for (const auto& field : fields) {
+      if (name != field.name) continue;
+      field.set(into, value, field.name);
+      known = true;
+    }
+    if (known) continue;
+    std::string accepted;
+    for (const auto& field : fields) accepted += (accepted.empty() ? "" : ", ") + std::string(field.name);
+    throw py::type_error(std::string(type).append(" has no '").append(name).append("' (known: ").append(accepted) +
+                         ")");
+  }
+}
+
+template <class Struct, class Class>
+void add_fields(Class& type, const std::vector<Field<Struct>>& fields) {
+  for (const Field<Struct>& field : fields) type.def_property_readonly(field.name, field.get, field.doc);
+}
+
+/// A number. @throws py::type_error naming the field
+[[nodiscard]] double number_from(py::handle value, const char* name);
+
+/// A time of at least 0 and at most a million seconds. @throws py::value_error, and as number_from
+[[nodiscard]] double seconds_from(py::handle value, const char* name);
+
+template <class Struct, class Value>
+Struct struct_of_member(Value Struct::*member);
+
+template <auto kMember>
+using StructOf = decltype(struct_of_member(kMember));
+
+template <auto kMember>
+Field<StructOf<kMember>> number_field(const char* name, const char* doc) {
+  using Struct = StructOf<kMember>;
+  return {name, doc, [](const Struct& s) -> py::object { return py::float_(s.*kMember); },
+          [](Struct& s, py::handle value, const char* of) { s.*kMember = number_from(value, of); }};
+}
+
+template <auto kMember>
+Field<StructOf<kMember>> flag_field(const char* name, const char* doc) {
+  using Struct = StructOf<kMember>;
+  return {name, doc, [](const Struct& s) -> py::object { return py::bool_(s.*kMember); },
+          [](Struct& s, py::handle value, const char*) { s.*kMember = value.cast<bool>(); }};
+}
+
+}  // namespace forcebound::python

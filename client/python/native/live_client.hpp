@@ -1,0 +1,86 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "forcebound/client/runtime/client.hpp"
+#include "forcebound/device/simulated/simulated_device.hpp"
+#include "python/native/tables.hpp"
+
+namespace forcebound::python {
+
+/// Keeps ticks for another thread to look at while more come: a fixed number of rows, of which those that are counted
+/// do not change any more. Further ticks are counted, and not kept.
+///
+/// Real time: `on_tick` is noexcept, allocates nothing and never waits.
+class KeptTicks final : public record::TickSink {
+ public:
+  /// Touches all of its memory, so that the tick does not have to.
+  KeptTicks(RowShape shape, std::size_t rows_max);
+
+  void on_tick(const record::TickRecord& tick) noexcept override;
+  void on_force(const record::ForceRecord& /*force*/) noexcept override {}
+
+  /// A copy of the rows from `first` on.
+  [[nodiscard]] py::array since(std::size_t first) const;
+  [[nodiscard]] std::size_t kept() const noexcept { return kept_.load(std::memory_order_acquire); }
+  [[nodiscard]] std::size_t not_kept() const noexcept { return not_kept_.load(std::memory_order_relaxed); }
+
+ private:
+  RowsOf<record::TickRecord> layout_;
+  std::size_t rows_max_;
+  std::vector<std::byte> bytes_;
+  std::atomic<std::size_t> kept_{0};
+  std::atomic<std::size_t> not_kept_{0};
+};
+
+/// The client of the programs with a simulated device and hand. Its tick has a thread of its own, in which no Python
+/// runs: what it saw is looked at from outside.
+class LiveClient {
+ public:
+  struct Settings {
+    client::Client::Settings client;
+    device::DeviceDescription device;
+    std::string hand;
+    std::string law;
+    control::LawOptions law_options;
+    std::size_t ticks_kept = 0;
+  };
+  /// @throws what device, hand, law and client::Client refuse
+  explicit LiveClient(const Settings& settings);
+
+  /// Runs until its time is up, it gives up, or `stop`. Once. Other Python threads run meanwhile.
+  /// @throws std::runtime_error for a second time, and what client::Client::run does
+  void run();
+
+  /// Any thread.
+  void stop() noexcept { stop_ = true; }
+
+  [[nodiscard]] const KeptTicks& ticks() const noexcept { return ticks_; }
+
+  /// What went wrong on the way: keys, handshakes, the recording. Any thread.
+  [[nodiscard]] std::vector<std::string> problems() const;
+
+  /// After `run`: JSON.
+  [[nodiscard]] std::string summary() const;
+
+  /// After `run`: why there was no session; empty: there was one.
+  [[nodiscard]] std::string why_no_session() const;
+
+ private:
+  void look();
+
+  device::SimulatedDevice device_;
+  KeptTicks ticks_;
+  client::Client client_;
+  std::atomic<bool> stop_{false};
+  std::atomic<bool> begun_{false};
+  std::atomic<bool> ended_{false};
+  mutable std::mutex mutex_;
+  std::vector<std::string> problems_;
+};
+
+}  // namespace forcebound::python

@@ -1,0 +1,149 @@
+#include <pybind11/stl.h>
+
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "forcebound/baselines/baselines.hpp"
+#include "forcebound/text/numbers.hpp"
+#include "python/native/bindings.hpp"
+#include "python/native/closed_loop.hpp"
+#include "python/native/facts_check.hpp"
+#include "python/native/fields.hpp"
+#include "python/native/law_choice.hpp"
+#include "python/native/scenes.hpp"
+#include "tests/tools/netem/netem_parameters.hpp"
+#include "tests/tools/netem/trace.hpp"
+
+namespace forcebound::python {
+namespace {
+
+/// What can be asked of a loop, with its parts in Python.
+struct Asked {
+  sim::ClosedLoop::Settings settings;
+  PythonLoop::Parts parts{};
+  std::string memory = "capped";
+  std::map<std::string, double> parameters{};
+  std::string recording{};
+  std::string hostile{};
+};
+
+time::Nanoseconds duration_from(py::handle value, const char* name) {
+  return time::from_seconds(seconds_from(value, name));
+}
+
+double share_from(py::handle value, const char* name) {
+  const double share = number_from(value, name);
+  if (share >= 0 && share <= 1) return share;
+  throw py::value_error(std::string(name) + " must be 0 to 1, got " + text::to_text(share));
+}
+
+struct Setting {
+  const char* name;
+  void (*set)(Asked&, py::handle value, const char* name);
+};
+
+std::vector<Setting> settings_there_are() {
+  return {
+      {"scene",
+       [](Asked& a, py::handle value, const char*) { a.settings.scene = value.cast<const SceneHandle&>().scene; }},
+      {"device",
+       [](Asked& a, py::handle value, const char*) { a.settings.device = value.cast<device::DeviceDescription>(); }},
+      {"hand", [](Asked& a, py::handle value, const char*) { a.settings.hand = value.cast<std::string>(); }},
+      {"law", [](Asked& a, py::handle value, const char*) { a.settings.law = value.cast<std::string>(); }},
+      {"memory", [](Asked& a, py::handle value, const char*) { a.memory = value.cast<std::string>(); }},
+      {"parameters",
+       [](Asked& a, py::handle value, const char*) { a.parameters = value.cast<std::map<std::string, double>>(); }},
+      {"own_law",
+       [](Asked& a, py::handle value, const char*) {
+         a.parts.own_law = std::make_shared<OwnLaw::Shared>();
+         a.parts.own_law->object = py::reinterpret_borrow<py::object>(value);
+       }},
+      {"own_environment",
+       [](Asked& a, py::handle value, const char*) {
+         a.parts.own_environment = std::make_shared<OwnEnvironment::Shared>();
+         a.parts.own_environment->function = py::reinterpret_borrow<py::object>(value);
+       }},
+      {"own_hand", [](Asked& a, py::handle value, const char*) { a.parts.own_hand = own_hand_from(value); }},
+      {"hostile_environment", [](Asked& a, py::handle value, const char*) { a.hostile = value.cast<std::string>(); }},
+      {"up", [](Asked& a, py::handle value,
+                const char*) { a.settings.network.up = netem::parse_netem(value.cast<std::string>()); }},
+      {"down", [](Asked& a, py::handle value,
+                  const char*) { a.settings.network.down = netem::parse_netem(value.cast<std::string>()); }},
+      {"trace", [](Asked& a, py::handle value,
+                   const char*) { a.settings.network.trace = netem::load_trace(value.cast<std::string>()); }},
+      {"renders_locally",
+       [](Asked& a, py::handle value, const char*) { a.settings.renders_locally = value.cast<bool>(); }},
+      {"seed", [](Asked& a, py::handle value,
+                  const char*) { a.settings.seed = a.settings.network.seed = value.cast<std::uint64_t>(); }},
+      {"settle_s",
+       [](Asked& a, py::handle value, const char* name) { a.settings.settle_s = seconds_from(value, name); }},
+      {"hold_s",
+       [](Asked& a, py::handle value, const char* name) { a.settings.policy.hold = duration_from(value, name); }},
+      {"drop_s",
+       [](Asked& a, py::handle value, const char* name) { a.settings.policy.drop = duration_from(value, name); }},
+      {"late_share",
+       [](Asked& a, py::handle value, const char* name) { a.settings.timing.late_share = share_from(value, name); }},
+      {"late_s_max",
+       [](Asked& a, py::handle value, const char* name) { a.settings.timing.late_max = duration_from(value, name); }},
+      {"measured_timing",
+       [](Asked& a, py::handle value, const char*) { a.settings.timing.measured = value.cast<bool>(); }},
+      {"choosing_s_max", [](Asked& a, py::handle value,
+                            const char* name) { a.settings.timing.choosing_max = duration_from(value, name); }},
+      {"told", [](Asked& a, py::handle value, const char*) { a.settings.told = value.cast<control::DeviceFacts>(); }},
+      {"recording", [](Asked& a, py::handle value, const char*) { a.recording = value.cast<std::string>(); }},
+  };
+}
+
+std::unique_ptr<PythonLoop> make_loop(const py::kwargs& named) {
+  Asked asked;
+  set_fields(asked, named, settings_there_are(), "ClosedLoop");
+  sim::ClosedLoop::Settings& settings = asked.settings;
+  const control::DeviceFacts& facts = settings.device.facts;
+  if (!settings.scene || facts.joints() == 0) throw py::type_error("ClosedLoop: expected a scene and a device");
+  if (settings.told) expect_same_mechanism(*settings.told, facts);
+  if (!settings.scene->accepts(static_cast<std::uint32_t>(facts.translations()))) {
+    throw py::value_error("scene '" + settings.scene->facts().name + "' is for devices of " +
+                          settings.scene->accepted_degrees_of_freedom() + " degrees of freedom, device '" + facts.name +
+                          "' has " + std::to_string(facts.translations()));
+  }
+  if (asked.parts.own_law) {
+    asked.parts.own_law->name = settings.law;
+    auto laws = std::make_shared<control::LawRegistry>(baselines::shipped_laws());
+    add_own_law(*laws, asked.parts.own_law);
+    settings.laws = std::move(laws);
+  } else {
+    settings.law_options = law_options(asked.memory, asked.parameters);
+  }
+  if (asked.parts.own_environment) {
+    settings.own_environment = own_environment("a function in Python", asked.parts.own_environment);
+  }
+  if (asked.parts.own_hand) {
+    settings.make_hand = [hand = asked.parts.own_hand, dof = facts.translations()] {
+      return std::make_unique<OwnHand>(hand, dof);
+    };
+  }
+  if (!asked.hostile.empty()) {
+    settings.environment =
+        sim::EnvironmentSetting{.name = asked.hostile, .seed = settings.seed, .force_N_max = facts.force_N_max};
+  }
+  return std::make_unique<PythonLoop>(std::move(settings), std::move(asked.parts), asked.recording);
+}
+
+}  // namespace
+
+void bind_closed_loop(py::module_& module) {
+  py::class_<PythonLoop>(module, "ClosedLoop")
+      .def(py::init(&make_loop))
+      .def("run", &PythonLoop::run, py::arg("duration_s"))
+      .def("take", &PythonLoop::take)
+      .def("close", &PythonLoop::close)
+      .def_property_readonly("time_s", &PythonLoop::time_s)
+      .def_property_readonly("truth", &PythonLoop::truth);
+  module.def("environment_names", &sim::environment_names);
+  module.def("netem_help", &netem::netem_help);
+}
+
+}  // namespace forcebound::python

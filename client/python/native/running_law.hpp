@@ -1,0 +1,82 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "forcebound/control/law_registry.hpp"
+#include "forcebound/control/passivity_controller.hpp"
+#include "python/native/arrays.hpp"
+
+namespace forcebound::python {
+
+/// What law and server-side law tell each other: (k,), k <= 16. @throws py::value_error
+[[nodiscard]] control::ServerLawNumbers server_law_numbers_from(py::handle numbers);
+
+/// A law at work on a device, ticked from Python: control::PassivityController with its law, and what a Motion needs
+/// beside the readings.
+///
+/// A Cartesian device's joints are its position, and nothing else is read of them. Of any other device each tick needs
+/// joints and Jacobian.
+///
+/// A law has one owner: what is called while a sequence runs in another thread throws std::runtime_error.
+class RunningLaw {
+ public:
+  /// @throws std::invalid_argument as LawRegistry::make and PassivityController
+  RunningLaw(control::DeviceFacts facts, const std::string& name, control::LawOptions options);
+
+  /// What a tick may be told beside position and request; None: by the facts.
+  struct Told {
+    py::object interval_s;
+    py::object joint;
+    py::object jacobian;
+    py::object latency_s;
+    py::object latency_s_max;
+    py::object effect_s;
+    py::object held_s;
+    bool write_failed = false;
+  };
+  /// One tick: the force for the device (dof,) [N]. @param request_N None: no answer of the environment
+  py::array_t<double> step(py::handle position, py::handle request_N, const Told& told);
+
+  struct Recorded {
+    py::object intervals_s;
+    py::object joints;
+    py::object jacobians;
+    py::object latencies_s;
+  };
+  /// Many ticks: force_N (n, dof), energy_J (n,), xi (n,) after each. Other Python threads run meanwhile.
+  py::tuple run(py::handle positions, py::handle requests_N, const Recorded& recorded);
+
+  /// The force, or zero where it takes effect too late.
+  py::array_t<double> confirm(py::handle force_N, double latency_s);
+
+  void hear(py::handle numbers);
+  [[nodiscard]] py::array_t<double> outgoing() const;
+  void begin_server_side();
+
+  [[nodiscard]] const control::DeviceFacts& facts() const noexcept { return facts_; }
+  [[nodiscard]] const control::LawOptions& options() const noexcept { return options_; }
+  [[nodiscard]] double energy_J() const;
+  [[nodiscard]] double xi() const;
+  [[nodiscard]] py::dict counts() const;
+
+ private:
+  class InUse;
+  class Sequence;
+
+  void read_joints(py::handle position, const Told& told);
+  void bend_damping() noexcept;
+
+  control::DeviceFacts facts_;
+  control::LawOptions options_;
+  control::PassivityController controller_;
+  control::Damping damping_;
+  control::Motion motion_;
+  Vector request_N_;
+  bool begun_ = false;
+  mutable std::atomic<bool> in_use_{false};
+};
+
+}  // namespace forcebound::python
