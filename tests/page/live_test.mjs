@@ -236,7 +236,7 @@ const cases = {
       const server = await programs.server();
       const client = programs.start("client", ["--server", server.address, ...kWall, "--duration", "6", "--record", "run.mcap", "--quiet"]);
       await client.ended;
-      const view = await programs.withPage("lab", ["view", "run.mcap"]);
+      const view = await programs.withPage("view", ["run.mcap"]);
       const tab = await Tab.open(browser, view.url);
       await tab.untilChartsMove();
       await tab.until("the scene is drawn", () => window.forcebound.stage.views[0].parts.children.length === 1);

@@ -11,7 +11,7 @@ const kPage = /(http:\/\/\S+\?token=[\w-]+)/;
 /** A process whose output is kept, to be shown where a test fails. */
 class Program {
   constructor(path, options, folder) {
-    this.name = path.split("/").at(-1);
+    this.name = options[0];
     this.said = "";
     this.process = spawn(path, options, { cwd: folder, stdio: ["ignore", "pipe", "pipe"] });
     this.ended = new Promise((done) => this.process.on("exit", done));
@@ -42,7 +42,7 @@ class Program {
   }
 }
 
-/** Server, relay, client and lab of a build, each on a port that the system chooses. All end with `end`. */
+/** Server, relay and client of a build, and other commands of `forcebound`, each on a port that the system chooses. All end with `end`. */
 export class Programs {
   static async in(bin) {
     const programs = new Programs();
@@ -52,8 +52,8 @@ export class Programs {
     return programs;
   }
 
-  start(name, options) {
-    const program = new Program(join(this.bin, `forcebound-${name}`), options, this.folder);
+  start(command, options) {
+    const program = new Program(join(this.bin, "forcebound"), [command, ...options], this.folder);
     this.all.push(program);
     return program;
   }

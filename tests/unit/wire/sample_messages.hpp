@@ -33,6 +33,32 @@ inline Bytes framed(unsigned kind, const Bytes& body) {
   return bytes;
 }
 
+/// Every field set.
+inline EnvironmentForce sample_force() {
+  return {.session = 0xfedcba9876543210,
+          .sequence = 999,
+          .motion_sequence = 1000,
+          .motion_device_time = Nanoseconds{123456789},
+          .force = vector_of({1, 2, -3}),
+          .torque_N_m = vector_of({0.1, -0.2, 0.3}),
+          .position = vector_of({0.01, -0.02, 0.03}),
+          .contact_normal = vector_of({0, 0, 1}),
+          .penetration_m = 0.002,
+          .server_receive_time = Nanoseconds{-5},
+          .server_send_time = Nanoseconds{7},
+          .compute_time = Nanoseconds{300},
+          .motions_received = 990,
+          .motions_duplicated = 3,
+          .motions_reordered = 2,
+          .texture_N = 0.4,
+          .texture_wave = vector_of({3000, 0, 0}),
+          .texture_across = vector_of({0, 3000, 0}),
+          .server_law_numbers = server_law_numbers(16, -3),
+          .server_parts_N = vector_of({0, 1, 0}),
+          .texture_in_server_parts = true,
+          .model = test::sample_local_model()};
+}
+
 /// One of each kind, every field set.
 inline std::array<Message, 8> one_of_each() {
   return {Hello{.protocol_version = 2,
@@ -70,28 +96,7 @@ inline std::array<Message, 8> one_of_each() {
                        .pieces = {.wanted = true, .newest = 70, .before = 0xfedcba9876543210},
                        .challenge = 0x123456789abcdef0,
                        .handle = {.buttons = 0x80000001, .gripper = 0.25, .orientation = {{0.5, -0.5, 0.5, -0.5}}}},
-          EnvironmentForce{.session = 0xfedcba9876543210,
-                           .sequence = 999,
-                           .motion_sequence = 1000,
-                           .motion_device_time = Nanoseconds{123456789},
-                           .force = vector_of({1, 2, -3}),
-                           .torque_N_m = vector_of({0.1, -0.2, 0.3}),
-                           .position = vector_of({0.01, -0.02, 0.03}),
-                           .contact_normal = vector_of({0, 0, 1}),
-                           .penetration_m = 0.002,
-                           .server_receive_time = Nanoseconds{-5},
-                           .server_send_time = Nanoseconds{7},
-                           .compute_time = Nanoseconds{300},
-                           .motions_received = 990,
-                           .motions_duplicated = 3,
-                           .motions_reordered = 2,
-                           .texture_N = 0.4,
-                           .texture_wave = vector_of({3000, 0, 0}),
-                           .texture_across = vector_of({0, 3000, 0}),
-                           .server_law_numbers = server_law_numbers(16, -3),
-                           .server_parts_N = vector_of({0, 1, 0}),
-                           .texture_in_server_parts = true,
-                           .model = test::sample_local_model()},
+          sample_force(),
           Bye{.session = 0xfedcba9876543210,
               .motions_received = 990,
               .motions_duplicated = 3,

@@ -63,20 +63,8 @@ struct Typed {
   std::string page{};
 };
 
-/// @returns the seed's option, to know whether it was given
-const CLI::Option* describe(CLI::App& app, Options& options, Typed& typed, const control::LawRegistry& laws,
-                            const device::DeviceRegistry& devices) {
-  program::set_up(app, kProgram);
-  app.description(kAbout);
-  app.footer("Laws (--law):\n" + laws.help() + "\n" + devices.help() + std::string(kMore) +
-             std::string(program::kExitCodes));
-  app.add_option("--server", options.server, "the server, or a relay in front of it (required without --allocate)")
-      ->type_name("HOST:PORT");
-  add_allocation_options(app, options.allocation);
-  add_identity_options(app, options.identity);
-  app.add_flag("--insecure", options.insecure,
-               "do not encrypt, although the server is on another machine: anybody on the way can read, change and "
-               "forge");
+/// Who feels what, and what bounds it.
+void add_device_and_law(CLI::App& app, Options& options, Typed& typed, const control::LawRegistry& laws) {
   app.add_option("--scene", options.scene, "scene to request; default: the server's")->type_name("NAME");
   app.add_option("--device", options.device.device, "device to read, see below")->type_name("NAME|FILE.toml|DRIVER");
   app.add_option("--operator", options.device.hand, "hand on a simulated device, see below")->type_name("SPEC");
@@ -101,21 +89,10 @@ const CLI::Option* describe(CLI::App& app, Options& options, Typed& typed, const
       ->check(program::one_of("memory", {"capped", "full"}))
       ->type_name("capped|full")
       ->capture_default_str();
-  app.add_option("--duration", options.duration_s, "length of the run; 0: until interrupted")
-      ->check(program::number_within(0))
-      ->capture_default_str()
-      ->type_name("SECONDS");
-  const CLI::Option* const seed =
-      app.add_option("--seed", options.seed, "seed of the handshake's nonces; default: random")
-          ->check(program::whole_within(0))
-          ->type_name("N");
-  app.add_option("--record", options.record,
-                 "write every tick and force to this file, and what Foxglove's 3D panel shows of them")
-      ->check(program::not_empty())
-      ->type_name("FILE.mcap");
-  app.add_option("--summary", options.summary, "write the summary to this file as well")
-      ->check(program::not_empty())
-      ->type_name("FILE.json");
+}
+
+/// How forces come to be: where, how often, how fast and until when.
+void add_rendering(CLI::App& app, Options& options, Typed& typed) {
   app.add_option("--rendering", options.rendering,
                  "local: what does not move in the scene is handed over and runs at the client; remote: all forces "
                  "are the server's")
@@ -151,6 +128,39 @@ const CLI::Option* describe(CLI::App& app, Options& options, Typed& typed, const
       ->check(program::number_within(0))
       ->capture_default_str()
       ->type_name("MS");
+}
+
+/// @returns the seed's option, to know whether it was given
+const CLI::Option* describe(CLI::App& app, Options& options, Typed& typed, const control::LawRegistry& laws,
+                            const device::DeviceRegistry& devices) {
+  program::set_up(app, kProgram);
+  app.description(kAbout);
+  app.footer("Laws (--law):\n" + laws.help() + "\n" + devices.help() + std::string(kMore) +
+             std::string(program::kExitCodes));
+  app.add_option("--server", options.server, "the server, or a relay in front of it (required without --allocate)")
+      ->type_name("HOST:PORT");
+  add_allocation_options(app, options.allocation);
+  add_identity_options(app, options.identity);
+  app.add_flag("--insecure", options.insecure,
+               "do not encrypt, although the server is on another machine: anybody on the way can read, change and "
+               "forge");
+  add_device_and_law(app, options, typed, laws);
+  app.add_option("--duration", options.duration_s, "length of the run; 0: until interrupted")
+      ->check(program::number_within(0))
+      ->capture_default_str()
+      ->type_name("SECONDS");
+  const CLI::Option* const seed =
+      app.add_option("--seed", options.seed, "seed of the handshake's nonces; default: random")
+          ->check(program::whole_within(0))
+          ->type_name("N");
+  app.add_option("--record", options.record,
+                 "write every tick and force to this file, and what Foxglove's 3D panel shows of them")
+      ->check(program::not_empty())
+      ->type_name("FILE.mcap");
+  app.add_option("--summary", options.summary, "write the summary to this file as well")
+      ->check(program::not_empty())
+      ->type_name("FILE.json");
+  add_rendering(app, options, typed);
   app.add_option("--page", typed.page,
                  "serve a live page that shows the run and changes it, with the mouse as the simulated hand; its "
                  "address is printed. Of this machine alone unless HOST says otherwise; default port 47880")
