@@ -112,7 +112,9 @@ TEST(Help, OfEveryProgramAndSubcommandFitsEightyColumnsInTheCommonStyle) {
       expect_common_style(of.out);
       const bool is_program = std::ranges::find(kProgramCommands, subcommand) != kProgramCommands.end();
       if (is_program) continue;
-      EXPECT_THAT(of.out, testing::HasSubstr("  " + name + " " + subcommand + " ")) << "an example of its own";
+      std::string example("  ");
+      example.append(name).append(" ").append(subcommand).append(" ");
+      EXPECT_THAT(of.out, testing::HasSubstr(example)) << "an example of its own";
       EXPECT_THAT(of.out, testing::Not(testing::HasSubstr("Exit code"))) << "that is the whole program's";
       const bool draws = of.out.find("--figure") != std::string::npos;
       EXPECT_EQ(unwrapped(of.out).find("data and script go beside it") != std::string::npos, draws);
