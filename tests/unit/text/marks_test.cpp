@@ -20,7 +20,9 @@ TEST(Marks, GiveWhatIsBetweenThemAndKeepTheRest) {
 TEST(Marks, AreNeededOnceEach) {
   const std::string begin(kBetween.begin);
   const std::string end(kBetween.end);
-  for (const std::string& document : {std::string("nothing"), begin + end + begin + end, end + begin}) {
+  const std::string twice = begin + end + begin + end;
+  const std::string backwards = end + begin;
+  for (const std::string& document : {std::string("nothing"), twice, backwards}) {
     EXPECT_THROW(static_cast<void>(between_marks(document, kBetween)), std::runtime_error) << document;
   }
 }
