@@ -21,11 +21,14 @@ function(forcebound_embed_texts target header function)
 #include \"${header}\"
 
 namespace ${CMAKE_MATCH_1} {
-std::span<const text::EmbeddedText> ${CMAKE_MATCH_2}() noexcept {
-  static constexpr std::array<text::EmbeddedText, ${count}> kTexts{{
+namespace {
+
+constexpr std::array<text::EmbeddedText, ${count}> kTexts{{
 ${entries}}};
-  return kTexts;
-}
+
+}  // namespace
+
+std::span<const text::EmbeddedText> ${CMAKE_MATCH_2}() noexcept { return kTexts; }
 }  // namespace ${CMAKE_MATCH_1}
 ")
   target_sources(${target} PRIVATE ${source})
