@@ -23,12 +23,12 @@ function(forcebound_embed_texts target header function)
 namespace ${CMAKE_MATCH_1} {
 namespace {
 
-constexpr std::array<text::EmbeddedText, ${count}> kTexts{{
+constexpr std::array<text::EmbeddedText, ${count}> kTexts_${CMAKE_MATCH_2}{{
 ${entries}}};
 
 }  // namespace
 
-std::span<const text::EmbeddedText> ${CMAKE_MATCH_2}() noexcept { return kTexts; }
+std::span<const text::EmbeddedText> ${CMAKE_MATCH_2}() noexcept { return kTexts_${CMAKE_MATCH_2}; }
 }  // namespace ${CMAKE_MATCH_1}
 ")
   target_sources(${target} PRIVATE ${source})
