@@ -16,7 +16,7 @@
 #include "forcebound/record/tick_record.hpp"
 #include "forcebound/server/environment/scene_library.hpp"
 #include "forcebound/server/environment/scene_parser.hpp"
-#include "forcebound/text/numbers.hpp"
+#include "tests/support/hand_on_surface.hpp"
 #include "tests/tools/sim/closed_loop.hpp"
 
 // A run in virtual time has the same digits whatever has compiled it: one hash for each scene and each law, for g++ and
@@ -77,17 +77,6 @@ device::DeviceDescription device_for(const scene::Scene& scene) {
   throw std::invalid_argument("no device for the scene");
 }
 
-/// Moves to and fro through a surface of the scene.
-std::string hand_on(const scene::Scene& scene, const control::DeviceFacts& facts) {
-  std::string hand = "wave:amplitude_m=0.02,frequency_Hz=3";
-  if (scene.parts() == 0) return hand;
-  const scene::Point at_m = scene.on_surface_m(0);
-  for (Eigen::Index axis = 0; axis < facts.translations(); ++axis) {
-    hand += std::string(",offset_") + "xyz"[axis] + "_m=" + text::to_text(at_m[axis]);
-  }
-  return hand;
-}
-
 class Trajectory : public testing::TestWithParam<Run> {};
 
 TEST_P(Trajectory, HasTheDigitsThatItHasEverywhere) {
@@ -100,7 +89,11 @@ TEST_P(Trajectory, HasTheDigitsThatItHasEverywhere) {
   TrajectoryHash hash;
   const device::DeviceDescription device = device_for(*scene);
   sim::ClosedLoop::Settings settings{
-      .device = device, .hand = hand_on(*scene, device.facts), .law = GetParam().law, .scene = scene, .seed = 1};
+      .device = device,
+      .hand = "wave:amplitude_m=0.02,frequency_Hz=3" + test::offset_on_surface(*scene, device.facts.translations()),
+      .law = GetParam().law,
+      .scene = scene,
+      .seed = 1};
   settings.network.up.delay.mean = 10ms;
   sim::ClosedLoop loop(std::move(settings), {&hash});
   loop.run(1s);

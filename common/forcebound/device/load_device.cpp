@@ -158,11 +158,11 @@ DeviceDescription parse_description(std::string_view toml_text, const std::strin
   if (kind == "chain" && dof == control::kDofMax) device.facts.rotations = dof - kTranslations;
   int joints = dof;
   // A chain's says how many joints there are.
-  if (!device.facts.cartesian && use == Use::simulation && file.find(kind) == nullptr) {
-    throw std::invalid_argument(place + ":1: device '" + device.facts.name + "': '" + kind +
-                                "' is missing (accepted: a table), which a simulated device needs; a file of facts "
-                                "alone is a driver's: driver:FILE.so:facts=" +
-                                place);
+  if (!device.facts.cartesian && use == Use::simulation) {
+    (void)file.at(kind,
+                  "a table, which a simulated device needs; a file of facts alone is a driver's: "
+                  "driver:FILE.so:facts=" +
+                      place);
   }
   const bool needs_geometry = !device.facts.cartesian && (use == Use::simulation || kind == "chain");
   if (!device.facts.cartesian && (needs_geometry || file.find(kind) != nullptr)) {

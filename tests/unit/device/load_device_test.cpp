@@ -211,10 +211,11 @@ TEST(ParseDevice, RefusesMissingKeysAndUnknownKinds) {
               HasSubstr("'mass_kg' is missing (accepted: > 0: one number, 2 numbers, or 2 rows of 2)"));
   EXPECT_THAT(refusal_of_file("kind = 'cartesian'\ndegrees_of_freedom = 7\n"),
               HasSubstr("degrees_of_freedom must be a whole number from 1 to 3, got 7"));
-  EXPECT_THAT(
-      refusal_of_file("kind = 'arm'\ndegrees_of_freedom = 3\n"),
-      HasSubstr("'arm' is missing (accepted: a table), which a simulated device needs; a file of facts alone is "
-                "a driver's: driver:FILE.so:facts=devices/mine.toml"));
+  EXPECT_THAT(refusal_of_file("kind = 'arm'\ndegrees_of_freedom = 3\n"),
+              HasSubstr("mine.toml:1: device 'mine': 'arm' is missing (accepted: a table, which a simulated device "
+                        "needs; a file of facts alone is a driver's: driver:FILE.so:facts=devices/mine.toml)"));
+  EXPECT_THAT(refusal_of_file("kind = 'arm'\ndegrees_of_freedom = 3\n[amr]\n"),
+              HasSubstr("'arm' is missing, is 'amr' a misspelling of it?"));
   EXPECT_THAT(refusal_of_file("kind = 'arm'\ndegrees_of_freedom = 3\n[arm]\nupper_length_m = 0\n"),
               HasSubstr("mine.toml:4: device 'mine', arm: upper_length_m must be > 0, got 0"));
 }

@@ -163,7 +163,8 @@ const CLI::Option* describe(CLI::App& app, Options& options, Typed& typed, const
   add_rendering(app, options, typed);
   app.add_option("--page", typed.page,
                  "serve a live page that shows the run and changes it, with the mouse as the simulated hand; its "
-                 "address is printed. Of this machine alone unless HOST says otherwise; default port 47880")
+                 "address is printed. Of this machine alone unless HOST says otherwise; default port " +
+                     std::to_string(page::kClientPort))
       ->expected(0, 1)
       ->type_name("[PORT|HOST:PORT]");
   app.add_option("--relay-control", options.relay_control,

@@ -183,7 +183,8 @@ void describe(CLI::App& app, ProgramOptions& options, Typed& typed) {
       ->capture_default_str();
   app.add_option("--page", typed.page,
                  "serve a live page of the sessions, their figures also as /metrics; its address is printed. Of this "
-                 "machine alone unless HOST says otherwise; default port 47881")
+                 "machine alone unless HOST says otherwise; default port " +
+                     std::to_string(page::kServerPort))
       ->expected(0, 1)
       ->type_name("[PORT|HOST:PORT]");
   add_key_options(app, options.keys);

@@ -5,7 +5,10 @@
 #include <exception>
 #include <new>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
+#include "forcebound/text/names.hpp"
 #include "forcebound/text/printable.hpp"
 #include "forcebound/wire/version_mismatch.hpp"
 
@@ -55,10 +58,8 @@ void expect_spare_memory() {
 }
 
 std::string refusal_of_rights(const ClientRights& rights, std::string_view scene) {
-  std::string allowed;
-  for (const std::string& name : rights.scenes) allowed += (allowed.empty() ? "" : ", ") + printable(name);
-  return "client '" + printable(rights.name) + "' may not use scene '" + printable(scene) + "' (allowed: " + allowed +
-         ")";
+  return "client '" + printable(rights.name) + "' may not use scene '" + printable(scene) +
+         "' (allowed: " + printable(text::join(rights.scenes)) + ")";
 }
 
 /// The least time between motions that are answered, in the mean [s].
@@ -85,12 +86,10 @@ std::string refusal_for_now(const std::string& scene, std::string_view why) {
 }
 
 std::string refusal_of_server_law(const control::LawRegistry& laws, std::string_view law) {
-  std::string known;
-  for (const std::string& name : laws.names()) {
-    if (laws.find(name).make_server_side) known += (known.empty() ? "" : ", ") + name;
-  }
-  return "this server has no server-side law '" + printable(law) + "'" +
-         (known.empty() ? " (known: none)" : " (known: " + known + ")");
+  std::vector<std::string> known = laws.names();
+  std::erase_if(known, [&](const std::string& name) { return !laws.find(name).make_server_side; });
+  return "this server has no server-side law '" + printable(law) +
+         "' (known: " + (known.empty() ? "none" : text::join(known)) + ")";
 }
 
 std::string refusal_of_dof(const EnvironmentKind& kind, const wire::Hello& hello) {

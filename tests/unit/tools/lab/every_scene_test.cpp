@@ -12,8 +12,8 @@
 #include "forcebound/device/simulated/make_operator.hpp"
 #include "forcebound/server/environment/scene_library.hpp"
 #include "forcebound/server/environment/scene_parser.hpp"
-#include "forcebound/text/numbers.hpp"
 #include "forcebound/time/steady_clock.hpp"
+#include "tests/support/hand_on_surface.hpp"
 #include "tests/tools/lab/accuracy/study.hpp"
 #include "tests/tools/lab/rendering/rendering_study.hpp"
 #include "tests/tools/lab/soak/soak.hpp"
@@ -63,11 +63,7 @@ class EveryShippedScene : public testing::TestWithParam<std::string> {
   [[nodiscard]] std::string hand_on(const control::DeviceFacts& facts) const {
     std::string hand = "wave:amplitude_m=0.2,frequency_Hz=5";
     if (facts.rotations > 0) hand += ",turn_x_rad=0.5,turn_y_rad=0.5,turn_Hz=2";
-    const scene::Point at_m = scene->parts() > 0 ? scene->on_surface_m(0) : scene::Point::Zero();
-    for (Eigen::Index axis = 0; axis < facts.translations(); ++axis) {
-      hand += std::string(",offset_") + "xyz"[axis] + "_m=" + text::to_text(at_m[axis]);
-    }
-    return hand;
+    return hand + test::offset_on_surface(*scene, facts.translations());
   }
 };
 

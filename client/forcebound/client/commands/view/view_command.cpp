@@ -68,7 +68,7 @@ void add_view(CLI::App& app) {
                    "where the page is served: of this machine alone unless HOST says otherwise; its address is printed")
       ->expected(0, 1)
       ->type_name("PORT|HOST:PORT")
-      ->default_str("47882");
+      ->default_str(std::to_string(page::kRecordingPort));
   view->add_option("--scene", options->scene, "scene to draw; default: the one that ships under the recorded name")
       ->type_name("NAME|FILE.toml");
   view->footer(
