@@ -103,6 +103,13 @@ bare_debian() {
   cp -r /etc/apt/apt.conf.d "$folder/etc/apt/"
   if [[ $suite == "$(debian_suite)" ]]; then cp -r /etc/apt/sources.list* "$folder/etc/apt/" 2>/dev/null || true; fi
   cp /etc/resolv.conf "$folder/etc/resolv.conf"
+  # And npm's registry, where that takes an authority of its own.
+  local authorities=
+  authorities=$(npm config get cafile 2>/dev/null) || true
+  if [[ -f $authorities ]]; then
+    cp "$authorities" "$folder/etc/npm-authorities.crt"
+    say "cafile=/etc/npm-authorities.crt" >"$folder/etc/npmrc"
+  fi
   say "A bare Debian ($suite) in $((SECONDS - start)) s"
 }
 

@@ -33,8 +33,11 @@ struct ViewOptions {
 std::atomic<bool> interrupted{false};
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may only touch what is lock-free");
 
-void wait_for_interrupt() {
+void catch_interrupts() {
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { interrupted = true; });
+}
+
+void wait_for_interrupt() {
   while (!interrupted) std::this_thread::sleep_for(std::chrono::milliseconds{50});
 }
 
@@ -54,6 +57,8 @@ void run(const ViewOptions& options) {
   const time::SteadyClock clock;
   RecordingPage shown(std::move(recorded), text::printable(options.recording), std::move(scene), clock);
   const page::PageServer server(settings, shown);
+  // Before its address is told: who reads that may end it at once.
+  catch_interrupts();
   std::cout << text::printable(options.recording + ": " + words) << "\npage: " << server.address() << std::endl;
   wait_for_interrupt();
 }
