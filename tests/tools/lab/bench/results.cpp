@@ -46,11 +46,6 @@ void for_each(const BenchResults& results, BenchRow::Kind kind, Show show) {
 /// Of a wanted "<= 1.25" the number.
 std::string bound_of(const BenchRow& row) { return row.wanted.substr(row.wanted.find(' ') + 1); }
 
-/// What was measured, and under which conditions.
-std::string subject(const BenchRow& row) {
-  return row.what + " [" + row.unit + "]" + (row.conditions.empty() ? "" : "; " + row.conditions);
-}
-
 text::Table::Cell ratio_cell(const BenchRow& row) {
   return {or_dash(row.ratio), row.fine() ? text::Table::Mark::none : text::Table::Mark::alarm};
 }
@@ -195,18 +190,6 @@ std::string to_table(const BenchResults& results, text::Colour colour) {
          growths.to_text(text::Colour::none, kTableColumns);
 }
 
-std::string to_markdown(const BenchResults& results) {
-  text::Table ratios({{"what"}, {"ours"}, {"beside"}, {"theirs"}, {"ratio"}, {"in single runs"}, {"wanted"}});
-  for_each(results, BenchRow::Kind::ratio, [&](const BenchRow& row) {
-    ratios.add(
-        {subject(row), row.ours, or_dash(row.yardstick), or_dash(row.theirs), ratio_cell(row), row.spread, row.wanted});
-  });
-  text::Table growths({{"what"}, {"n"}, {"ours"}, {"beside"}, {"theirs"}});
-  for_each(results, BenchRow::Kind::growth, [&](const BenchRow& row) {
-    growths.add({row.what, row.unit, row.ours, or_dash(row.yardstick), or_dash(row.theirs)});
-  });
-  return "Measured by `deploy/bench`: " + joined(results.machine) + ".\n\n" + ratios.to_markdown() +
-         "\nHow the cost grows with n, as the exponent of n:\n\n" + growths.to_markdown();
-}
+std::string to_markdown(const BenchResults& results) { return "```\n" + to_table(results) + "```\n"; }
 
 }  // namespace forcebound::lab

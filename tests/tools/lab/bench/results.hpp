@@ -64,7 +64,7 @@ struct BenchResults {
 /// For a terminal.
 [[nodiscard]] std::string to_table(const BenchResults& results, text::Colour colour = text::Colour::none);
 
-/// For tests/benchmark/README.md, as Markdown.
+/// The same for tests/benchmark/README.md, as Markdown.
 [[nodiscard]] std::string to_markdown(const BenchResults& results);
 
 inline constexpr text::Marks kBenchMarks{"<!-- bench: made by deploy/bench --readme -->\n", "<!-- /bench -->\n"};
