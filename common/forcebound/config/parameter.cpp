@@ -77,7 +77,7 @@ std::string words(const auto& other) { return std::string(other.accepted); }
 // The preset in words.
 
 std::string words_of_preset(const NumberParameter& number) {
-  if (!number.preset) return std::string(number.absent);
+  if (!number.preset || !number.absent.empty()) return std::string(number.absent);
   if (*number.preset == kInfinity) return "no limit";
   return is_above_least(number, *number.preset) ? text::to_text(*number.preset) : "not given";
 }

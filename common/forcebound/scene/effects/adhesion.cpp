@@ -62,11 +62,12 @@ EffectKind adhesion_effect() {
            NumberParameter{
                .key = "tear_N", .meaning = "force at which it tears", .least = 0, .least_excluded = true, .most = 1e6},
            NumberParameter{.key = "shear_stiffness_N_per_m",
-                           .meaning = "sideways; default K",
+                           .meaning = "sideways",
                            .preset = 0,
                            .least = 0,
                            .least_excluded = true,
-                           .most = 1e9},
+                           .most = 1e9,
+                           .absent = "K"},
            NumberParameter{
                .key = "shear_N", .meaning = "sideways force at which it slips", .preset = 0, .least = 0, .most = 1e6}},
       .make = [](const Values& values) { return std::make_unique<Adhesion>(values); }};

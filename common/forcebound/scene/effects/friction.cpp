@@ -50,10 +50,11 @@ EffectKind friction_effect() {
               {NumberParameter{.key = "static_coefficient", .meaning = "mu_s, while it holds", .least = 0, .most = 100},
                // A negative value means that the scene leaves it out: "the same" is no number.
                NumberParameter{.key = "dynamic_coefficient",
-                               .meaning = "mu_d <= mu_s, while it slips; default mu_s",
+                               .meaning = "mu_d <= mu_s, while it slips",
                                .preset = -1,
                                .least = 0,
-                               .most = 100},
+                               .most = 100,
+                               .absent = "mu_s"},
                NumberParameter{.key = "stiffness_N_per_m",
                                .meaning = "of the bristle, before it slips",
                                .preset = 1000,

@@ -34,29 +34,29 @@ double change_locally_per_s(const scene::Scene& scene, double change_per_s, doub
 }  // namespace
 
 config::TableDescription accuracy_table() {
-  return {"`[accuracy]`",
-          "With `accuracy = \"auto\"`: what the scene may give up to be in time. A client says how far away it is, the "
-          "server measures what each level takes on its machine, and picks the one whose force is least wrong at the "
-          "device, late ones counted as wrong. `forcebound-lab accuracy --levels FILE` measures these numbers.",
-          {config::TextParameter{.key = "key",
-                                 .meaning = "what the levels differ in: `tissue.pad.shape.cells` is the key `cells` of "
-                                            "the `shape` of the `[[tissue]]` named `pad`",
-                                 .accepted = "a key of this file"},
-           NumberParameter{.key = "change_per_s",
-                           .meaning = "how fast the force changes: the RMS of its rate over its own, for the motion "
-                                      "the scene is made for",
-                           .least = 0,
-                           .least_excluded = true,
-                           .most = 1e4},
-           NumberParameter{.key = "extrapolation_per_s",
-                           .meaning = "the same of what a local model misses, for clients that render locally and get "
-                                      "one of each part that does not run there; `accuracy --rendering local` "
-                                      "measures it",
-                           .least = 0,
-                           .most = 1e4,
-                           .absent = "that of `change_per_s`"},
-           OtherParameter{
-               .key = "levels", .meaning = "from coarse to fine", .accepted = "two or more tables, see the next"}}};
+  return {
+      "`[accuracy]`",
+      "With `accuracy = \"auto\"`: what the scene may give up to be in time. The server picks the level whose force "
+      "is least wrong at a client's device, late ones counted as wrong. `forcebound-lab accuracy --levels FILE` "
+      "measures these numbers.",
+      {config::TextParameter{.key = "key",
+                             .meaning = "what the levels differ in: `tissue.pad.shape.cells` is the key `cells` of "
+                                        "the `shape` of the `[[tissue]]` named `pad`",
+                             .accepted = "a key of this file"},
+       NumberParameter{.key = "change_per_s",
+                       .meaning = "how fast the force changes: the RMS of its rate over its own, for the motion "
+                                  "the scene is made for",
+                       .least = 0,
+                       .least_excluded = true,
+                       .most = 1e4},
+       NumberParameter{.key = "extrapolation_per_s",
+                       .meaning = "the same of what a local model misses, for clients that render locally; "
+                                  "`accuracy --rendering local` measures it",
+                       .least = 0,
+                       .most = 1e4,
+                       .absent = "that of `change_per_s`"},
+       OtherParameter{
+           .key = "levels", .meaning = "from coarse to fine", .accepted = "two or more tables, see the next"}}};
 }
 
 config::TableDescription accuracy_level_table() {

@@ -238,9 +238,8 @@ config::TableDescription scene_table() {
            .choices = {"fixed", "auto"}},
        config::OtherParameter{.key = "tool_m",
                               .meaning =
-                                  "the rigid tool in the hand: from the grip to its tip, in the axes of a handle "
-                                  "that tells its orientation; what is touched is touched with the tip, and "
-                                  "turns a handle that shows torque",
+                                  "the rigid tool in the hand, which touches with its tip: from the grip to that, "
+                                  "in the axes of a handle that tells its orientation",
                               .accepted = "`[x, y, z]`, each from -0.5 to 0.5",
                               .absent = "none: the grip touches"},
        TextParameter{

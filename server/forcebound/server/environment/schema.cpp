@@ -5,31 +5,50 @@
 #include "forcebound/server/environment/part_parser.hpp"
 #include "forcebound/server/environment/scene_parser.hpp"
 #include "forcebound/server/environment/tissue_parser.hpp"
+#include "forcebound/text/names.hpp"
 
 namespace forcebound::server {
 namespace {
 
-/// A cell of a table ends at a bar, unless that is escaped.
-std::string cell(const std::string& text) {
-  std::string escaped;
-  for (const char c : text) escaped += c == '|' ? "\\|" : std::string(1, c);
-  return escaped;
+std::string line_of(const config::Parameter& key) {
+  const std::string preset = config::preset_text(key);
+  return "* `" + std::string(key_of(key)) + "` (" + config::accepted_text(key) +
+         (preset.empty() ? "" : "; default " + preset) + "): " + std::string(config::meaning_of(key)) + "\n";
 }
 
-std::string rows_of(const std::vector<config::Parameter>& keys) {
-  std::string text = "| key | meaning | value | if left out |\n| --- | --- | --- | --- |\n";
-  for (const config::Parameter& key : keys) {
-    const std::string preset = config::preset_text(key);
-    text += "| `" + std::string(key_of(key)) + "` | " + cell(std::string(config::meaning_of(key))) + " | " +
-            cell(config::accepted_text(key)) + " | " + (preset.empty() ? "*must be given*" : cell(preset)) + " |\n";
+std::string lines_of(const std::vector<config::Parameter>& keys) {
+  std::string text;
+  for (const config::Parameter& key : keys) text += line_of(key);
+  return text;
+}
+
+/// The lines of a table's keys. Those that one of the tables before has in the same words are named, if two or more.
+std::string list_of(const config::TableDescription& table, const std::vector<config::TableDescription>& before) {
+  for (const config::TableDescription& other : before) {
+    const std::string known = lines_of(other.keys);
+    std::vector<std::string> shared;
+    std::string own;
+    for (const config::Parameter& key : table.keys) {
+      const std::string line = line_of(key);
+      if (known.find(line) == std::string::npos) {
+        own += line;
+      } else {
+        shared.push_back("`" + std::string(key_of(key)) + "`");
+      }
+    }
+    if (shared.size() >= 2) return "* " + text::join(shared) + ": as of " + other.title + "\n" + own + "\n";
   }
-  return text + "\n";
+  return lines_of(table.keys) + "\n";
 }
 
-std::string sections(const std::string& level, const std::vector<config::TableDescription>& tables) {
+/// @param before the tables that the page has so far; these are added
+std::string sections(const std::string& level, const std::vector<config::TableDescription>& tables,
+                     std::vector<config::TableDescription>& before) {
   std::string text;
   for (const config::TableDescription& table : tables) {
-    text += level + " " + table.title + "\n\n" + table.text + "\n\n" + (table.keys.empty() ? "" : rows_of(table.keys));
+    text += level + " " + table.title + "\n\n" + table.text + "\n\n";
+    if (!table.keys.empty()) text += list_of(table, before);
+    before.push_back(table);
   }
   return text;
 }
@@ -37,27 +56,28 @@ std::string sections(const std::string& level, const std::vector<config::TableDe
 std::string introduction() {
   return "# Scene files\n"
          "\n"
-         "A scene says which effects each object has; the server simulates exactly these. This page has all that a "
-         "scene file may\n"
-         "contain. The program itself writes it: `forcebound-server --schema > server/scenes/README.md`.\n"
+         "All that a scene file may contain, written by `forcebound-server --schema > server/scenes/README.md`. The "
+         "server\n"
+         "simulates exactly the effects that it names.\n"
          "\n"
          "```toml\n" +
          schema_example() +
          "```\n"
          "\n"
-         "Save it as `shelf.toml`; `forcebound-server --scene shelf.toml --explain` tells what it simulates and what "
-         "not, and\n"
+         "Saved as `shelf.toml`: `forcebound-server --scene shelf.toml --explain` says what it simulates and what not, "
+         "and\n"
          "`forcebound-server --scene shelf.toml` serves it. The files beside this page are examples, one for each "
          "effect and more.\n"
          "\n"
-         "* Keys carry their units: SI throughout.\n"
-         "* A point has as many numbers as the scene has degrees of freedom; a scene for `\"any\"` device lies on its "
-         "first axis, so\n"
-         "  it has one. Vectors are written like points. A direction may have any length but zero.\n"
+         "* Keys carry their units: SI throughout. A key without a default must be given.\n"
+         "* A point or vector has as many numbers as the scene has degrees of freedom; a scene for `\"any\"` device "
+         "lies "
+         "on its\n"
+         "  first axis, so it has one. A direction may have any length but zero.\n"
          "* Numbers are finite. A key that is unknown, missing or out of range is an error with file, line and place, "
          "and the\n"
          "  nearest known key.\n"
-         "* Paths of files that a scene names are relative to its own folder, unless they are absolute.\n"
+         "* Paths of files are relative to the scene's own folder, unless they are absolute.\n"
          "\n";
 }
 
@@ -69,26 +89,13 @@ std::string sentence(std::string_view text) {
   return made + ".";
 }
 
-std::string overview(const scene::Registry& registry) {
-  std::string text =
-      "## Effects\n"
-      "\n"
-      "`effects = [\"NAME\", ...]` asks for them, and a table of the same name has their parameters; where all of them "
-      "may be left\n"
-      "out, so may the table. An effect of a *surface* belongs to an `[[object]]`. One of *space* fills a `[[field]]`, "
-      "or an\n"
-      "object's inside. In the laws, x is the device's position, v its velocity and t the time; forces act on the "
-      "device.\n"
-      "\n"
-      "| effect | what a hand feels | place |\n"
-      "| --- | --- | --- |\n";
-  for (const scene::EffectKind& kind : registry.effects()) {
-    const std::string name(kind.name);
-    text.append("| [`").append(name).append("`](#").append(name).append(") | ");
-    text.append(cell(std::string(kind.purpose))).append(" | ").append(place_text(kind.place)).append(" |\n");
-  }
-  return text + "\n";
-}
+constexpr const char* kEffects = R"(## Effects
+
+`effects = ["NAME", ...]` asks for them, and a table of the same name has their parameters; where all of them have
+defaults, it may be left out. An effect of a *surface* belongs to an `[[object]]`. One of *space* fills a `[[field]]`,
+or an object's inside. In the laws, x is the device's position, v its velocity and t the time; forces act on the device.
+
+)";
 
 std::vector<config::TableDescription> effect_tables(const scene::Registry& registry) {
   std::vector<config::TableDescription> tables;
@@ -109,11 +116,10 @@ std::vector<config::TableDescription> shape_tables(const scene::Registry& regist
 }
 
 constexpr const char* kTimeOfDynamicModels = R"(
-Where each client has its own, time goes by the clock of its device: a motion that comes late is answered as if it
-had come in time. In a shared scene there is one time, the server's, and a motion counts when it arrives. Between two
-motions a device is held where it was, and the damper of a coupling believes its velocity for 10 ms more. Who holds
-still, or is not heard of, holds still what it touches. When the last client leaves, the scene begins anew for the
-next one.
+Where each client has its own, time goes by the clock of its device: a late motion is answered as if it had come in
+time. In a shared scene there is one time, the server's, and a motion counts when it arrives. Between two motions a
+device is held where it was, and the damper of a coupling believes its velocity for 10 ms more. When the last client
+leaves, the scene begins anew for the next one.
 
 )";
 
@@ -149,14 +155,15 @@ std::vector<config::TableDescription> dynamic_model_tables() {
 }
 
 std::string schema(const scene::Registry& registry) {
-  std::string text = introduction() + sections("##", part_tables());
+  std::vector<config::TableDescription> before;
+  std::string text = introduction() + sections("##", part_tables(), before);
   text += "### Shapes\n\nThe `shape` of an object has `kind = \"NAME\"`, and the keys of that kind.\n\n";
-  text += sections("####", shape_tables(registry));
+  text += sections("####", shape_tables(registry), before);
   text +=
       "## Bodies and tissue\n\nParts that move or deform by themselves. They need a scene of 3 degrees of freedom.\n";
   text += kTimeOfDynamicModels;
-  text += sections("###", dynamic_model_tables());
-  text += overview(registry) + sections("###", effect_tables(registry));
+  text += sections("###", dynamic_model_tables(), before);
+  text += kEffects + sections("###", effect_tables(registry), before);
   while (text.ends_with("\n\n")) text.pop_back();
   return text;
 }

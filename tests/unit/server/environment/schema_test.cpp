@@ -261,7 +261,7 @@ TEST(Schema, HasEveryEffectWithTheMeaningOfEachParameter) {
     EXPECT_THAT(page, HasSubstr("    " + std::string(kind.law) + "\n"));
     for (const config::Parameter& parameter : kind.parameters) {
       EXPECT_NE(meaning_of(parameter), "") << kind.name << ", " << key_of(parameter);
-      EXPECT_THAT(page, HasSubstr("| `" + std::string(key_of(parameter)) + "` |"));
+      EXPECT_THAT(page, HasSubstr("* `" + std::string(key_of(parameter)) + "` ("));
     }
   }
 }
@@ -276,8 +276,8 @@ TEST(Schema, HasTheEffectsThatAProgramAdds) {
        .make = {}});
   const std::string page = schema(registry);
   EXPECT_THAT(page, HasSubstr("### tickle\n\nTickles. Of surface.\n\n    f = |t|\n"));
-  EXPECT_THAT(page, HasSubstr("| `often` | \\|t\\| | >= 0 and <= 9 | 3 |\n"));
-  EXPECT_THAT(page, Not(HasSubstr("viscosity`](")));
+  EXPECT_THAT(page, HasSubstr("* `often` (>= 0 and <= 9; default 3): |t|\n"));
+  EXPECT_THAT(page, Not(HasSubstr("### viscosity")));
 }
 
 }  // namespace
