@@ -19,17 +19,16 @@ std::string number_text(const Json& value) {
   return of == std::round(of) && std::abs(of) < 1e6 ? std::to_string(std::lround(of)) : text::rounded(of);
 }
 
-std::string share(const Json& value) {
-  return value.is_number() ? text::rounded(100 * value.get<double>()) + " %" : "-";
-}
+/// A share in percent, without its unit.
+std::string share(const Json& value) { return value.is_number() ? text::rounded(100 * value.get<double>()) : "-"; }
 
-/// With each hand in turn: "0.5 / 60 / all".
+/// With each hand in turn: "0.5/60/all".
 std::string stiffness(const Json& of_hands) {
   std::string text;
   for (const Json& limit : of_hands) {
-    text += (text.empty() ? "" : " / ") + (limit.at("no_limit").get<bool>()
-                                               ? std::string("all")
-                                               : text::rounded(1e-3 * limit.at("N_per_m").get<double>()));
+    text += (text.empty() ? "" : "/") + (limit.at("no_limit").get<bool>()
+                                             ? std::string("all")
+                                             : text::rounded(1e-3 * limit.at("N_per_m").get<double>()));
   }
   return text;
 }
@@ -201,9 +200,9 @@ std::vector<std::size_t> told_networks(const Json& all) {
 
 std::string comparison_markdown(const Json& all) {
   const std::vector<std::size_t> networks = told_networks(all);
-  std::vector<text::Table::Column> columns{{"law"}, {"least P ideal", "mJ"}, {"least P real", "mJ"}, {"at rest"}};
+  std::vector<text::Table::Column> columns{{"law"}, {"least P ideal", "mJ"}, {"least P real", "mJ"}, {"at rest", "%"}};
   for (const char* const what : {"shown, ", "E_dev, "}) {
-    for (const std::size_t i : networks) columns.push_back({what + all.at("networks").at(i).get<std::string>()});
+    for (const std::size_t i : networks) columns.push_back({what + all.at("networks").at(i).get<std::string>(), "%"});
   }
   columns.push_back({"time", "ns"});
   text::Table table(std::move(columns));
@@ -219,7 +218,7 @@ std::string comparison_markdown(const Json& all) {
   }
   if (all.at("limits").empty()) return table.to_markdown();
   return table.to_markdown() + "\n" +
-         limits_table(all, "stiffest wall at rest under a light / usual / firm hand [N/mm]", "`").to_markdown();
+         limits_table(all, "stiffest wall at rest under a light/usual/firm hand [N/mm]", "`").to_markdown();
 }
 
 }  // namespace forcebound::lab
