@@ -9,6 +9,7 @@
 #include "forcebound/server/robot/robot_description.hpp"
 #include "forcebound/text/file.hpp"
 #include "tests/support/driven_arm.hpp"
+#include "tests/support/source_folder.hpp"
 #include "tests/tools/temporary_folder.hpp"
 
 namespace forcebound::server {
@@ -59,6 +60,13 @@ std::string with_line(const std::string& begin, const std::string& line) {
   const std::size_t at = kPendulum.find("\n" + begin) + 1;
   const std::size_t end = kPendulum.find('\n', at);
   return kPendulum.substr(0, at) + line + kPendulum.substr(end);
+}
+
+TEST(RobotFile, IsThatOfTheExampleDriver) {
+  const std::string place = (test::source_folder() / "tests/consumer/own_robot/my-arm.toml").string();
+  const RobotFile file = parse_robot(text::read_file(place), place);
+  EXPECT_THAT(file.driver, testing::EndsWith("own_robot/arm.so"));
+  EXPECT_EQ(file.robot.facts.joints(), 1);
 }
 
 TEST(RobotFile, TellsARobotItsDriverAndItsSettings) {
