@@ -1,32 +1,28 @@
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
-/// The rule of who may include whom, and of which code may touch the operating system.
+#include "forcebound/text/embedded_text.hpp"
+#include "tests/architecture/violation.hpp"
+
+/// The rule of who may include whom. CMake declares it: a folder may include what its library links, and what
+/// forcebound_may_include (deploy/cmake/ForceboundTargets.cmake) says.
 namespace forcebound::architecture {
 
-struct Violation {
-  std::string file;  ///< relative to the source root
-  int line = 0;
-  std::string what;  ///< the offending text and what would be accepted
-};
+/// What CMake has written, a line for each folder: "forcebound/net: forcebound/time".
+std::span<const text::EmbeddedText> declared_rule() noexcept;
 
-std::string to_string(const Violation& violation);
-
-/// All violations in one source file.
+/// The includes of one source file that the rule does not allow.
 ///
-/// @param file path relative to the source root, with '/': decides which rules hold for `text`.
-/// A file in a folder of common, client or server that no rule names is a violation as well: a new folder needs a rule
-/// first.
-std::vector<Violation> violations(std::string_view file, std::string_view text);
+/// @param file path relative to the source root, with '/': decides which line of the rule holds for `text`.
+/// A file in a folder of which the rule says nothing is a violation as well.
+std::vector<Violation> include_violations(std::string_view file, std::string_view text);
 
 /// The folders below `common`, `client`, `server` or `tests` and what each may include beside its own headers, as a
 /// table in Markdown.
 std::string include_table(std::string_view page);
-
-/// What only some files may have, and which, as a table in Markdown.
-std::string privilege_table();
 
 }  // namespace forcebound::architecture

@@ -3,10 +3,10 @@
 #include <gmock/gmock.h>
 
 #include <filesystem>
-#include <fstream>
-#include <iterator>
+#include <map>
 #include <set>
 
+#include "tests/architecture/privileges.hpp"
 #include "tests/support/page.hpp"
 #include "tests/support/source_folder.hpp"
 
@@ -16,6 +16,14 @@ namespace {
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
+
+/// Of both rules.
+std::vector<Violation> violations(std::string_view file, std::string_view text) {
+  std::vector<Violation> found = include_violations(file, text);
+  const std::vector<Violation> more = privilege_violations(file, text);
+  found.insert(found.end(), more.begin(), more.end());
+  return found;
+}
 
 std::string only_violation(std::string_view file, std::string_view text) {
   const auto found = violations(file, text);
@@ -41,7 +49,7 @@ TEST(IncludeRule, FindsAForbiddenConceptAndSaysWhereAndWhatIsAllowed) {
                            "#include \"forcebound/control/vector.hpp\"\n#include \"forcebound/wire/messages.hpp\"\n"),
             "common/forcebound/scene/effects/surface.cpp:2: forcebound/scene/effects must not include "
             "'forcebound/wire/messages.hpp', only what lies below forcebound/scene/effects, forcebound/config, "
-            "forcebound/control, forcebound/text, forcebound/scene/geometry");
+            "forcebound/control, forcebound/scene/geometry, forcebound/text");
 }
 
 TEST(IncludeRule, KeepsClientAndServerApart) {
@@ -154,23 +162,29 @@ TEST(Pages, ListWhatEachFolderMayInclude) {
   test::expect_on_page("tests/architecture/README.md", "privileges", privilege_table());
 }
 
-TEST(SourceTree, ObeysTheIncludeRule) {
+/// All sources, by path.
+const std::map<std::string, std::string>& sources() {
   namespace fs = std::filesystem;
-  const fs::path& root = test::source_folder();
-  int files = 0;
-  for (const char* side : {"common", "client", "server", "tests"}) {
-    for (const auto& entry : fs::recursive_directory_iterator(root / side)) {
-      const fs::path& path = entry.path();
-      if (!std::set<fs::path>{".cpp", ".hpp", ".c", ".h"}.contains(path.extension())) continue;
-      ++files;
-      std::ifstream stream(path);
-      const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-      for (const auto& violation : violations(path.lexically_relative(root).generic_string(), text)) {
-        ADD_FAILURE() << to_string(violation);
+  static const std::map<std::string, std::string> kSources = [] {
+    std::map<std::string, std::string> texts;
+    const fs::path& root = test::source_folder();
+    for (const char* side : {"common", "client", "server", "tests"}) {
+      for (const auto& entry : fs::recursive_directory_iterator(root / side)) {
+        const fs::path& path = entry.path();
+        if (!std::set<fs::path>{".cpp", ".hpp", ".c", ".h"}.contains(path.extension())) continue;
+        texts[path.lexically_relative(root).generic_string()] = test::content(path);
       }
     }
+    return texts;
+  }();
+  return kSources;
+}
+
+TEST(SourceTree, ObeysTheIncludeRule) {
+  for (const auto& [file, text] : sources()) {
+    for (const auto& violation : violations(file, text)) ADD_FAILURE() << to_string(violation);
   }
-  EXPECT_GT(files, 10) << "the sources were not found under " << root;
+  EXPECT_GT(sources().size(), 10U) << "the sources were not found under " << test::source_folder();
 }
 
 }  // namespace
