@@ -176,6 +176,19 @@ TEST_F(Channels, KeepTheOldKeyWhereTheNewOneIsNeverConfirmed) {
   EXPECT_EQ(server_.handshake(), 2);
 }
 
+TEST_F(Channels, ForgetEveryKeyWhereAnotherSessionBegins) {
+  std::vector<Record> records{sealed_by(client_)};
+  EXPECT_EQ(from_client(), Opening::opened);
+  shake_hands(2);
+  records.push_back(sealed_by(client_));
+  EXPECT_EQ(from_client(), Opening::opened) << "the first key is the previous one, the second the current one";
+  shake_hands(3);
+  records.push_back(sealed_by(client_));
+  server_.begin({.own = 22, .peer = 11});
+  EXPECT_FALSE(server_.can_seal(now_));
+  for (const Record& record : records) EXPECT_EQ(opening_by(server_, record), Opening::unknown_key);
+}
+
 TEST_F(Channels, RefuseTheNumberOfAKeyInUse) {
   EXPECT_EQ(from_client(), Opening::opened);
   const auto keys = ends_.keys(7);

@@ -1,9 +1,12 @@
 #include "forcebound/security/key_file.hpp"
 
 #include <gmock/gmock.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <csignal>
+#include <filesystem>
 #include <functional>
 #include <string>
 
@@ -112,6 +115,38 @@ TEST_F(KeyFile, IsNeverReplaced) {
   EXPECT_EQ(*read_key_pair(path).secret, key_bytes(1));
   expect_refused([&] { write_secret_key(folder_.file("none/key"), secret_key(2)); },
                  "cannot be written: No such file or directory");
+}
+
+/// Files get no longer than this, as on a full disk.
+class ShortFiles {
+ public:
+  explicit ShortFiles(::rlim_t bytes) {
+    ::signal(SIGXFSZ, SIG_IGN);
+    EXPECT_EQ(::getrlimit(RLIMIT_FSIZE, &before_), 0);
+    const ::rlimit shorter{bytes, before_.rlim_max};
+    EXPECT_EQ(::setrlimit(RLIMIT_FSIZE, &shorter), 0);
+  }
+  ~ShortFiles() { ::setrlimit(RLIMIT_FSIZE, &before_); }
+  ShortFiles(const ShortFiles&) = delete;
+  ShortFiles& operator=(const ShortFiles&) = delete;
+
+ private:
+  ::rlimit before_{};
+};
+
+TEST_F(KeyFile, IsNotLeftBehindInPart) {
+  const std::string path = folder_.file("anna.key");
+  std::string why;
+  {
+    const ShortFiles full(20);
+    try {
+      write_secret_key(path, secret_key(1));
+    } catch (const config::ConfigError& error) {
+      why = error.what();
+    }
+  }
+  EXPECT_THAT(why, AllOf(StartsWith(path), HasSubstr("cannot be written: ")));
+  EXPECT_FALSE(std::filesystem::exists(path));
 }
 
 TEST_F(KeyFile, IsRefusedForWhatIsNoKeyOrAnother) {

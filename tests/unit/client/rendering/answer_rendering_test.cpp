@@ -161,6 +161,14 @@ TEST_F(RenderedAnswer, GoesOnWhereItWasWhenAnAnswerHasNoModelAnyMore) {
   EXPECT_NEAR(settled_at(-0.003), 2, 1e-6);
 }
 
+TEST_F(RenderedAnswer, GoesOnWhereAMovingSurfaceWouldBeByNowWhenAnAnswerHasNoModelAnyMore) {
+  hear_of_pad(0.002);
+  answer.model.surfaces[0].velocity_m_per_s.z() = 0.1;
+  for (int i = 1; i <= 5; ++i) EXPECT_NEAR(at(-0.002), 2 + 0.1 * i, 1e-9) << "it comes by 0.1 mm on each tick";
+  hear(2);
+  EXPECT_NEAR(at(-0.002), 2.6, 1e-9);
+}
+
 TEST_F(RenderedAnswer, GoesOnWhereItWasWhenTheCouplingOfAMassIsAnother) {
   // Too heavy to move in the time that is looked at.
   const auto hear_of_mass = [this](double stiffness_N_per_m) {

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <span>
 #include <string>
 
@@ -71,6 +72,25 @@ TEST_F(IdentityFilesTest, RefuseAKeyThatAnybodyCanRead) {
   ASSERT_EQ(::chmod(key_.c_str(), 0644), 0);
   EXPECT_THAT([&] { (void)read_identity({.key = key_, .known_servers = known_}, "a:1", fill_); },
               ThrowsMessage<config::ConfigError>(HasSubstr(key_)));
+}
+
+TEST(KnownServersFile, IsAmongTheUsersSettingsOrElseInTheHome) {
+  const auto file_with = [](const char* settings, const char* home) {
+    ::setenv("XDG_CONFIG_HOME", settings, 1);
+    ::setenv("HOME", home, 1);
+    return default_known_servers();
+  };
+  const std::string before = std::getenv("HOME") != nullptr ? std::getenv("HOME") : "";
+  EXPECT_EQ(file_with("/settings", "/home/anna"), "/settings/forcebound/known_servers");
+  EXPECT_EQ(file_with("", "/home/anna"), "/home/anna/.config/forcebound/known_servers");
+  EXPECT_EQ(file_with("", ""), "");
+  ::unsetenv("XDG_CONFIG_HOME");
+  EXPECT_EQ(default_known_servers(), "");
+  ::setenv("HOME", "/home/anna", 1);
+  EXPECT_EQ(default_known_servers(), "/home/anna/.config/forcebound/known_servers");
+  ::unsetenv("HOME");
+  EXPECT_EQ(default_known_servers(), "");
+  ::setenv("HOME", before.c_str(), 1);
 }
 
 TEST_F(IdentityFilesTest, AreNoneUnlessSomethingIsGiven) {

@@ -106,6 +106,7 @@ TEST_F(SessionLinkTest, SendsNoMotionWithoutASession) {
   tick();
   tick();
   EXPECT_TRUE(sent<wire::MotionSample>().empty());
+  EXPECT_EQ(totals().reconnects, 0U);
 }
 
 TEST_F(SessionLinkTest, NumbersMotionsAndProvesItsAddressAsTheServerAsks) {
