@@ -13,29 +13,12 @@
 #include <iostream>
 #include <iterator>
 #include <system_error>
-#include <thread>
 
 namespace forcebound::test {
 namespace {
 
-using namespace std::chrono_literals;
-
-constexpr std::chrono::milliseconds kLook{10};
-constexpr std::chrono::seconds kPatienceAtTheEnd{20};
-
 [[noreturn]] void fail(int number, const std::string& what) {
   throw std::system_error(number, std::generic_category(), what);
-}
-
-/// Polls `condition` until it is true or the time is up.
-template <class Condition>
-bool becomes_true(Condition condition, std::chrono::nanoseconds limit) {
-  const auto end = std::chrono::steady_clock::now() + limit;
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() >= end) return false;
-    std::this_thread::sleep_for(kLook);
-  }
-  return true;
 }
 
 /// The file actions of posix_spawn; freed with their owner.
@@ -102,7 +85,7 @@ Process::~Process() {
   if (!reap()) {
     // Also a program that a test has stopped (SIGSTOP).
     signal(SIGKILL);
-    static_cast<void>(wait(kPatienceAtTheEnd));
+    static_cast<void>(wait());
   }
   if (!testing::Test::HasFailure()) return;
   std::cerr << "--- " << command_ << "\n--- exit code " << exit_code_.value_or(-1) << ", stdout:\n"
@@ -119,18 +102,17 @@ bool Process::reap() {
 }
 
 std::optional<int> Process::wait(std::chrono::nanoseconds limit) {
-  becomes_true([this] { return reap(); }, limit);
+  static_cast<void>(becomes_true([this] { return reap(); }, limit));
   return exit_code_;
 }
 
 bool Process::wait_for(std::string_view text, std::chrono::nanoseconds limit) {
   const auto said = [&] { return (out() + err()).find(text) != std::string::npos; };
-  becomes_true(
-      [&] {
-        const bool ended = reap();
-        return said() || ended;
-      },
-      limit);
+  const auto said_or_ended = [&] {
+    const bool ended = reap();
+    return said() || ended;
+  };
+  static_cast<void>(becomes_true(said_or_ended, limit));
   return said();
 }
 
@@ -140,7 +122,7 @@ void Process::signal(int number) const {
 
 std::optional<int> Process::stop(int number) {
   signal(number);
-  return wait(kPatienceAtTheEnd);
+  return wait();
 }
 
 void Process::write(std::string_view text) const {

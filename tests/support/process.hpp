@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "tests/support/becomes_true.hpp"
 #include "tests/tools/temporary_folder.hpp"
 
 namespace forcebound::test {
@@ -39,11 +40,11 @@ class Process {
   [[nodiscard]] std::string err() const { return content(folder_.file("stderr")); }
 
   /// Waits for the end: the exit code, 128 + number for a program ended by a signal, nothing if it still runs.
-  std::optional<int> wait(std::chrono::nanoseconds limit);
+  std::optional<int> wait(std::chrono::nanoseconds limit = kPatience);
 
   /// Waits until standard output followed by error contains `text`; false if that does not happen in time, or the
   /// program ends without it.
-  bool wait_for(std::string_view text, std::chrono::nanoseconds limit = std::chrono::seconds{20});
+  bool wait_for(std::string_view text, std::chrono::nanoseconds limit = kPatience);
 
   void signal(int number) const;
 

@@ -10,6 +10,7 @@
 
 #include "forcebound/net/endpoint.hpp"
 #include "tests/support/allocation_guard.hpp"
+#include "tests/support/becomes_true.hpp"
 
 namespace forcebound::net {
 namespace {
@@ -93,7 +94,12 @@ TEST_F(UdpBatchTest, CutsOversizeDatagramsAndTellsTheirSize) {
 }
 
 TEST_F(UdpBatchTest, TellsHowLongADatagramWaited) {
-  std::this_thread::sleep_for(20ms);  // the kernel begins to stamp a moment after a socket asked for it
+  const int descriptor = link_.descriptor();
+  const auto is_stamped = [&] {
+    first_.send(batch_bytes("is it?"), address_);
+    return wait_readable({&descriptor, 1}, 5s) && batch_.receive_all().front().received.waited > 0ns;
+  };
+  EXPECT_TRUE(test::becomes_true(is_stamped)) << "the kernel begins a moment after a socket asked for it";
   const auto sent = std::chrono::steady_clock::now();
   first_.send(batch_bytes("x"), address_);
   std::this_thread::sleep_for(20ms);

@@ -18,6 +18,7 @@
 
 #include "forcebound/net/endpoint.hpp"
 #include "forcebound/time/steady_clock.hpp"
+#include "tests/support/becomes_true.hpp"
 
 namespace forcebound::client {
 namespace {
@@ -103,22 +104,19 @@ TEST(RelayControl, FindsARelayByItsNameWhereverThatLeadsAndAgainWhenItHasMoved) 
 
   const net::UdpLink silent = net::UdpLink::listen(net::resolve({"127.0.0.1", 0}));
   std::optional<AnsweringRelay> relay(std::in_place, net::resolve({"127.0.0.2", 0}));
-  const auto finds_it = [&] {
-    for (const auto end = clock.now() + std::chrono::seconds{20}; clock.now() < end;) {
-      try {
-        return control.network() == page::Network{.delay_ms = 50};
-      } catch (const std::runtime_error&) {  // asked again, as by a user
-        std::this_thread::sleep_for(std::chrono::milliseconds{20});
-      }
+  const auto answers = [&control] {
+    try {
+      return control.network() == page::Network{.delay_ms = 50};
+    } catch (const std::runtime_error&) {  // asked again, as by a user
+      return false;
     }
-    return false;
   };
   lead_to({silent.local_address(), relay->address()});
-  EXPECT_TRUE(finds_it());
+  EXPECT_TRUE(test::becomes_true(answers));
   relay.reset();
   relay.emplace(net::resolve({"127.0.0.3", 0}));
   lead_to({relay->address()});
-  EXPECT_TRUE(finds_it());
+  EXPECT_TRUE(test::becomes_true(answers));
 }
 
 }  // namespace

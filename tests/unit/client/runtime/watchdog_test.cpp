@@ -5,7 +5,8 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
-#include <thread>
+
+#include "tests/support/becomes_true.hpp"
 
 namespace forcebound::client {
 namespace {
@@ -27,23 +28,24 @@ class StoppableDevice final : public device::HapticDevice {
   control::DeviceFacts facts_;
 };
 
-// Waits for what the other thread does, however long the machine takes for it.
-template <class Condition>
-void wait_until(Condition condition) {
-  while (!condition()) std::this_thread::sleep_for(1ms);
-}
-
-/// Stands still until it is set.
+/// Stands still until it is set, and counts how often it is looked at.
 class SetClock final : public time::Clock {
  public:
-  [[nodiscard]] time::Nanoseconds now() const noexcept override { return time::Nanoseconds{ns.load()}; }
+  [[nodiscard]] time::Nanoseconds now() const noexcept override {
+    ++looks;
+    return time::Nanoseconds{ns.load()};
+  }
   void set(time::Nanoseconds to) { ns = to.count(); }
   std::atomic<std::int64_t> ns{time::Nanoseconds(1s).count()};
+  mutable std::atomic<int> looks{0};
 };
 
 struct WatchdogTest : testing::Test {
-  /// Long enough for a watchdog to look a few times.
-  static void let_it_look() { std::this_thread::sleep_for(30ms); }
+  /// Until the watchdog has begun and ended a look: a first may have begun before, and a third shows the second's end.
+  void let_it_look() const {
+    const int before = clock.looks;
+    EXPECT_TRUE(test::becomes_true([&] { return clock.looks >= before + 3; }));
+  }
 
   SetClock clock;
   StoppableDevice device;
@@ -53,13 +55,13 @@ struct WatchdogTest : testing::Test {
 TEST_F(WatchdogTest, StopsADeviceWhoseTickDoesNotRunAnyMoreOnceForEachPause) {
   watchdog.note_tick(clock.now());
   clock.set(1s + 5ms);
-  wait_until([&] { return device.stops == 1; });
+  EXPECT_TRUE(test::becomes_true([&] { return device.stops == 1; }));
   let_it_look();
   EXPECT_EQ(device.stops, 1) << "it stands already";
   watchdog.note_tick(clock.now());
   clock.set(1s + 10ms);
-  wait_until([&] { return device.stops == 2; });
-  EXPECT_EQ(watchdog.stops(), 2U);
+  EXPECT_TRUE(test::becomes_true([&] { return watchdog.stops() == 2; }));
+  EXPECT_EQ(device.stops, 2);
 }
 
 TEST_F(WatchdogTest, LeavesADeviceAloneThatHasNotTickedYetOrTicks) {

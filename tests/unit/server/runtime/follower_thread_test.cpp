@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "forcebound/time/steady_clock.hpp"
+#include "tests/support/becomes_true.hpp"
 #include "tests/support/gantry_robot.hpp"
 
 namespace forcebound::server {
@@ -24,7 +25,7 @@ class SlowGantry final : public test::GantryRobot {
   SlowGantry(std::atomic<bool>& slow, std::atomic<int>& stops) : slow_(slow), stops_(stops) {}
   [[nodiscard]] bool is_simulated() const noexcept override { return false; }
   device::Reading read(Nanoseconds now) noexcept override {
-    while (slow_) std::this_thread::sleep_for(1ms);
+    slow_.wait(true);
     return GantryRobot::read(now);
   }
   void stop(Nanoseconds /*now*/) noexcept override {
@@ -45,8 +46,6 @@ class SlowGantry final : public test::GantryRobot {
 /// A gantry on a thread of its own, and its leader on that of the test.
 class Led {
  public:
-  static constexpr Nanoseconds kLongest = 1min;
-
   explicit Led(const EngagementTimes& times = {}) : Led(std::make_unique<test::GantryRobot>(), times) {}
   explicit Led(std::unique_ptr<Robot> robot, const EngagementTimes& times = {}) {
     FollowerSettings settings{.architecture = "position-position", .times = times};
@@ -58,26 +57,27 @@ class Led {
 
   /// The leader is still until the robot is in this state.
   void lead_until(FollowerState state) {
-    const Nanoseconds until = clock.now() + kLongest;
-    while (thread->newest().state != state && clock.now() < until) lead(0);
-    ASSERT_EQ(thread->newest().state, state) << "within a minute";
+    ASSERT_TRUE(test::becomes_true([&] {
+      exchange(0);
+      return thread->newest().state == state;
+    }));
   }
   /// It moves, as somebody does who takes it into the hand.
   void move() {
-    for (int n = 0; n < 100; ++n) lead(1e-4);
+    for (int n = 0; n < 100; ++n) {
+      exchange(1e-4);
+      std::this_thread::sleep_for(1ms);
+    }
   }
   void wait_until(FollowerState state) {
-    const Nanoseconds until = clock.now() + kLongest;
-    while (thread->newest().state != state && clock.now() < until) std::this_thread::sleep_for(1ms);
-    ASSERT_EQ(thread->newest().state, state) << "within a minute";
+    ASSERT_TRUE(test::becomes_true([&] { return thread->newest().state == state; }));
   }
 
-  void lead(double step_m) {
+  void exchange(double step_m) {
     motion.position[1] += step_m;
     motion.energy_given_J += 2e-3;
     motion.arrived = clock.now();
     (void)thread->exchange(motion);
-    std::this_thread::sleep_for(1ms);
   }
 
   [[nodiscard]] std::vector<FollowerState> states() {
@@ -197,9 +197,9 @@ TEST(FollowerThread, TellsItsLeaderThatTheRobotHasFailedWhileItsDriverDoesNotRet
   slow = true;
   led.lead_until(failed);
   EXPECT_EQ(led.thread->newest().share, 0) << "no force on the hand";
-  for (int waited_ms = 0; waited_ms < 30'000 && stops == 0; ++waited_ms) std::this_thread::sleep_for(1ms);
-  EXPECT_GT(stops, 0);
+  EXPECT_TRUE(test::becomes_true([&] { return stops > 0; }));
   slow = false;
+  slow.notify_all();
   led.lead_until(stopped);
   EXPECT_EQ(led.thread->trouble(), RobotGuard::Trouble::none);
   EXPECT_FALSE(led.thread->is_lost());

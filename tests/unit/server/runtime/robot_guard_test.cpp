@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "forcebound/time/clock.hpp"
+#include "tests/support/becomes_true.hpp"
 #include "tests/support/gantry_robot.hpp"
 
 namespace forcebound::server {
@@ -40,8 +41,7 @@ class CountingRobot final : public test::GantryRobot {
 class GuardedRobot : public testing::Test {
  protected:
   void wait_for_stops(int stops) const {
-    for (int waited_ms = 0; waited_ms < 30'000 && robot_.stops < stops; ++waited_ms) std::this_thread::sleep_for(1ms);
-    ASSERT_GE(robot_.stops, stops) << "within 30 s";
+    ASSERT_TRUE(test::becomes_true([&] { return robot_.stops >= stops; }));
   }
   /// For which the next tick may be awaited.
   [[nodiscard]] Nanoseconds limit() const { return RobotGuard::kSlow + time::from_seconds(robot_.facts().period_s); }
@@ -91,8 +91,7 @@ TEST_F(GuardedRobot, IsLostWhereNoTickFollows) {
   EXPECT_EQ(guard_.trouble(), Trouble::stuck);
   EXPECT_TRUE(guard_.is_lost());
   wait_for_stops(1);
-  for (int waited_ms = 0; waited_ms < 30'000 && !guard_.stopped(); ++waited_ms) std::this_thread::sleep_for(1ms);
-  EXPECT_TRUE(guard_.stopped());
+  EXPECT_TRUE(test::becomes_true([&] { return guard_.stopped(); }));
   EXPECT_TRUE(guard_.crash().empty());
 }
 
