@@ -6,7 +6,6 @@
 #include <optional>
 #include <random>
 #include <sstream>
-#include <thread>
 
 #include "forcebound/net/endpoint.hpp"
 #include "forcebound/net/udp_link.hpp"
@@ -14,6 +13,7 @@
 #include "forcebound/wire/codec.hpp"
 #include "tests/process/passive.hpp"
 #include "tests/process/programs.hpp"
+#include "tests/support/becomes_true.hpp"
 
 namespace forcebound::test {
 namespace {
@@ -40,17 +40,49 @@ Bytes framed(std::uint8_t kind, const Bytes& body) {
   return frame;
 }
 
-/// A socket that sends anything to any address.
-class UntrustedClient {
+/// A socket that sends anything, to an address or to whoever spoke to it last.
+class Peer {
  public:
-  explicit UntrustedClient(const std::string& to)
-      : to_(net::resolve(net::parse_endpoint(to))), link_(net::UdpLink::towards(to_)) {}
-
-  void say(const Bytes& datagram) { EXPECT_TRUE(link_.send(datagram, to_)); }
+  void say(const Bytes& datagram) { EXPECT_TRUE(link_.send(datagram, other_)); }
   void say(const wire::Message& message) {
     const auto datagram = codec_.encode(message);
     say(Bytes(datagram.begin(), datagram.end()));
   }
+
+  /// The next message of a kind; everything else is dropped.
+  template <class Kind>
+  std::optional<Kind> next() {
+    const auto end = std::chrono::steady_clock::now() + kPatience;
+    const std::array descriptors{link_.descriptor()};
+    while (std::chrono::steady_clock::now() < end) {
+      net::wait_readable(descriptors, 100ms);
+      const auto received = link_.receive(buffer_);
+      if (!received) continue;
+      other_ = received->from;
+      const auto decoded = codec_.decode(std::span(buffer_).first(received->bytes));
+      const auto* message = std::get_if<wire::Message>(&decoded);
+      if (message == nullptr) continue;
+      if (const auto* kind = std::get_if<Kind>(message)) return *kind;
+    }
+    return std::nullopt;
+  }
+
+ protected:
+  Peer(net::UdpLink link, const net::Address& other) : link_(std::move(link)), other_(other) {}
+
+  net::UdpLink link_;
+  net::Address other_;
+
+ private:
+  wire::Codec codec_;
+  std::array<std::byte, net::kDatagramBytesMax> buffer_{};
+};
+
+class UntrustedClient : public Peer {
+ public:
+  explicit UntrustedClient(const std::string& to) : UntrustedClient(net::resolve(net::parse_endpoint(to))) {}
+  explicit UntrustedClient(const net::Address& to) : Peer(net::UdpLink::towards(to), to) {}
+
   void say_malformed() {
     say(Bytes(1300));                                    // oversize
     say(random_bytes(1300, 1));                          // oversize
@@ -64,11 +96,6 @@ class UntrustedClient {
     corrupt.back() ^= std::byte{1};
     say(corrupt);
   }
-
- private:
-  net::Address to_;
-  net::UdpLink link_;
-  wire::Codec codec_;
 };
 
 TEST(AServer, CountsAbuseByReasonWithoutAnEffectOnItsClient) {
@@ -85,7 +112,7 @@ TEST(AServer, CountsAbuseByReasonWithoutAnEffectOnItsClient) {
     untrusted.say(wire::MotionSample{.session = 77, .sequence = i, .position = control::Vector::Zero(3)});
     untrusted.say(wire::Bye{.session = 78});
     untrusted.say(hello);
-    std::this_thread::sleep_for(2ms);
+    ASSERT_TRUE(untrusted.next<wire::Welcome>()) << "it has read all before it";
   }
   EXPECT_EQ(client.wait(20s), 0);
   EXPECT_EQ(server.stop(), 0);
@@ -106,42 +133,20 @@ TEST(AServer, CountsAbuseByReasonWithoutAnEffectOnItsClient) {
 }
 
 /// A server that accepts a client and then sends what a test wants.
-class HostileServer {
+class HostileServer : public Peer {
  public:
-  HostileServer() : link_(net::UdpLink::listen(net::resolve({"127.0.0.1", 0}))) {}
+  HostileServer() : Peer(net::UdpLink::listen(net::resolve({"127.0.0.1", 0})), {}) {}
 
   [[nodiscard]] std::string address() const { return net::to_string(link_.local_address()); }
+  [[nodiscard]] net::Address client() const { return other_; }
 
-  /// The next message of a kind; everything else is dropped.
-  template <class Kind>
-  std::optional<Kind> next() {
-    const auto end = std::chrono::steady_clock::now() + 10s;
-    const std::array descriptors{link_.descriptor()};
-    while (std::chrono::steady_clock::now() < end) {
-      net::wait_readable(descriptors, 100ms);
-      const auto received = link_.receive(buffer_);
-      if (!received) continue;
-      client_ = received->from;
-      const auto decoded = codec_.decode(std::span(buffer_).first(received->bytes));
-      const auto* message = std::get_if<wire::Message>(&decoded);
-      if (message == nullptr) continue;
-      if (const auto* kind = std::get_if<Kind>(message)) return *kind;
+  /// Waits until the client has read a force with this challenge, and so all that was sent before it.
+  bool is_read(std::uint64_t challenge) {
+    for (auto motion = next<wire::MotionSample>(); motion; motion = next<wire::MotionSample>()) {
+      if (motion->challenge == challenge) return true;
     }
-    return std::nullopt;
+    return false;
   }
-
-  void say(const Bytes& datagram) { EXPECT_TRUE(link_.send(datagram, client_)); }
-  void say(const wire::Message& message) {
-    const auto datagram = codec_.encode(message);
-    say(Bytes(datagram.begin(), datagram.end()));
-  }
-  [[nodiscard]] net::Address client() const { return client_; }
-
- private:
-  net::UdpLink link_;
-  wire::Codec codec_;
-  net::Address client_;
-  std::array<std::byte, net::kDatagramBytesMax> buffer_{};
 };
 
 TEST(AClient, CountsAbuseByReasonAndStaysPassive) {
@@ -155,7 +160,7 @@ TEST(AClient, CountsAbuseByReasonAndStaysPassive) {
 
   // Datagrams from another address than the server's: the client's socket does not receive them.
   ASSERT_TRUE(server.next<wire::MotionSample>());
-  UntrustedClient untrusted(net::to_string(server.client()));
+  UntrustedClient untrusted(server.client());
 
   constexpr int kTimes = 10;
   std::uint64_t sequence = 0;
@@ -169,9 +174,8 @@ TEST(AClient, CountsAbuseByReasonAndStaysPassive) {
                                  .motion_device_time = motion->device_time,
                                  .force = control::Vector::Constant(3, 1e300),
                                  .position = motion->position,
-                                 .motions_received = sequence};
-    server.say(force);
-    server.say(force);  // duplicate
+                                 .motions_received = sequence,
+                                 .challenge = sequence};
     auto other = force;
     other.session = kSession + 1;  // foreign session
     server.say(other);
@@ -188,7 +192,9 @@ TEST(AClient, CountsAbuseByReasonAndStaysPassive) {
     Bytes corrupt = framed(5, Bytes(40, std::byte{1}));
     corrupt.back() ^= std::byte{1};
     server.say(corrupt);
-    std::this_thread::sleep_for(20ms);
+    server.say(force);
+    server.say(force);  // duplicate
+    ASSERT_TRUE(server.is_read(force.challenge));
   }
   EXPECT_EQ(client.wait(20s), 0);
 
@@ -224,7 +230,7 @@ TEST(ANetworkThatCorruptsAndDuplicates, IsCountedExactlyAtBothEnds) {
               {"--netem", "delay 5ms corrupt 5% duplicate 5%", "--seed", "1", "--log", folder.file("log.csv")});
   Client client(relay.address(), {"--device", "omni", "--operator", "trace-sphere", "--duration", "4"});
   EXPECT_EQ(client.wait(30s), 0);
-  std::this_thread::sleep_for(2s);  // what is in flight
+  Relay::let_everything_arrive();
   EXPECT_EQ(relay.stop(), 0);
   EXPECT_EQ(server.stop(), 0);
   const std::string log = content(folder.file("log.csv"));
@@ -267,12 +273,7 @@ TEST(AServerWithoutMemory, RefusesSessionsAndGoesOn) {
   // Whether there is memory for one more depends on how many of them are gone; it is answered in any case.
   Client one_more(address, {"--device", "omni"});
   const auto contains = [&](const char* text) { return one_more.err().find(text) != std::string::npos; };
-  bool answered = false;
-  for (int i = 0; i < 1000 && !answered; ++i) {
-    std::this_thread::sleep_for(100ms);
-    answered = contains(" connected; ") || contains("not enough memory");
-  }
-  EXPECT_TRUE(answered);
+  EXPECT_TRUE(becomes_true([&] { return contains(" connected; ") || contains("not enough memory"); }));
   one_more.stop();
   EXPECT_EQ(server.stop(), 0);
   EXPECT_GT(counted(server.out(), "sessions", "opened"), 0U);

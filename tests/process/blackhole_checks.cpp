@@ -2,12 +2,15 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <memory>
-#include <thread>
+#include <regex>
+#include <string>
 #include <vector>
 
 #include "tests/process/passive.hpp"
 #include "tests/process/programs.hpp"
+#include "tests/support/becomes_true.hpp"
 
 namespace forcebound::test {
 namespace {
@@ -15,8 +18,7 @@ namespace {
 using namespace std::chrono_literals;
 using testing::HasSubstr;
 
-constexpr auto kContact = 3s;   // from the relay's start to its blackhole
-constexpr auto kRecovery = 4s;  // two Hellos are 2 s apart at most
+constexpr auto kContact = 3s;  // from the relay's start to its blackhole
 
 struct Way {
   std::string name;
@@ -30,6 +32,15 @@ void start(Way& way, const std::string& server, std::chrono::seconds duration) {
       way.name + ":" + std::to_string(kContact.count()) + "-" + std::to_string((kContact + duration).count());
   way.relay = std::make_unique<Relay>(server, Words{"--blackhole", hole, "--log", way.folder.file("log.csv")});
   way.client = std::make_unique<Client>(way.relay->address(), Words{"--device", "omni", "--operator", "trace-sphere"});
+}
+
+/// Whether its forces are fresh again after those of about the duration.
+bool is_over(const Way& way, std::chrono::seconds duration) {
+  static const std::regex kWithout(R"(forces are fresh again after ([0-9.]+) s)");
+  const std::string said = way.client->err();
+  return std::any_of(std::sregex_iterator(said.begin(), said.end(), kWithout), {}, [&](const std::smatch& without) {
+    return std::stod(without[1]) > static_cast<double>(duration.count()) - 1;
+  });
 }
 
 void expect_told(const Way& way, std::chrono::seconds duration) {
@@ -66,9 +77,9 @@ void expect_dead_ways_are_told(std::chrono::seconds duration) {
   ways[0].name = "up";
   ways[1].name = "down";
   for (Way& way : ways) start(way, server.address(), duration);
-  std::this_thread::sleep_for(kContact + duration + kRecovery);
   for (Way& way : ways) {
     SCOPED_TRACE("dead way: " + way.name);
+    EXPECT_TRUE(becomes_true([&] { return is_over(way, duration); }, kContact + duration + kPatience));
     EXPECT_EQ(way.client->stop(), 0);
     EXPECT_EQ(way.relay->stop(), 0);
     expect_told(way, duration);

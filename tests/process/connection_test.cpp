@@ -5,13 +5,13 @@
 #include <optional>
 #include <span>
 #include <string_view>
-#include <thread>
 
 #include "forcebound/net/endpoint.hpp"
 #include "forcebound/net/udp_link.hpp"
 #include "forcebound/text/names.hpp"
 #include "forcebound/wire/codec.hpp"
 #include "tests/process/programs.hpp"
+#include "tests/process/recorded_run.hpp"
 #include "tests/support/scene_files.hpp"
 
 namespace forcebound::test {
@@ -58,11 +58,10 @@ TEST(AClientWithoutAServer, KeepsTryingAndEndsWithASummaryAndAStatusOfItsOwn) {
 
 TEST(AClient, FindsTheServerThatComesLater) {
   const std::string address = free_address();
-  Client client(address, kSphere);
+  RecordedClient client(address, kSphere);
   ASSERT_TRUE(client.wait_for("no answer from"));
   Server server({"--scene", "sphere"}, address);
-  EXPECT_TRUE(client.wait_for("connected; simulated:"));
-  std::this_thread::sleep_for(1s);
+  EXPECT_TRUE(client.wait_for_tick(is_answered));
   EXPECT_EQ(client.stop(), 0);
   EXPECT_GT(client.summary()["received"], 0);
   EXPECT_EQ(client.summary()["faults"]["reconnects"], 0);

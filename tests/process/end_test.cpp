@@ -2,9 +2,9 @@
 
 #include <regex>
 #include <sstream>
-#include <thread>
 
 #include "tests/process/programs.hpp"
+#include "tests/process/recorded_run.hpp"
 
 namespace forcebound::test {
 namespace {
@@ -22,9 +22,8 @@ TEST_P(ASignal, EndsEveryProgramCleanlyWithAllThatItKnows) {
   const TemporaryFolder folder;
   Server server({"--scene", "sphere"});
   Relay relay(server.address(), {"--netem", "delay 5ms", "--log", folder.file("log.csv")});
-  Client client(relay.address(), {"--device", "omni", "--operator", "trace-sphere", "--law", "fba-more"});
-  ASSERT_TRUE(client.wait_for("connected"));
-  std::this_thread::sleep_for(700ms);
+  RecordedClient client(relay.address(), {"--device", "omni", "--operator", "trace-sphere", "--law", "fba-more"});
+  ASSERT_TRUE(client.wait_for_tick(is_answered));
 
   const std::optional<int> ended = client.stop(GetParam());
   EXPECT_EQ(ended, client.expected_end());

@@ -1,7 +1,6 @@
 #include <gmock/gmock.h>
 #include <sched.h>
 
-#include <chrono>
 #include <cstring>
 #include <filesystem>
 #include <string>
@@ -10,18 +9,17 @@
 #include "forcebound/time/real_time.hpp"
 #include "tests/process/programs.hpp"
 #include "tests/support/auto_wall.hpp"
+#include "tests/support/becomes_true.hpp"
 
 namespace forcebound::test {
 namespace {
 
-using namespace std::chrono_literals;
 using testing::HasSubstr;
 using testing::Not;
 
 /// The load does not wait for the answers to its Byes.
 void await_closings(const Server& server, std::size_t sessions) {
-  for (int waits = 0; waits < 2000 && occurrences(server.err(), " ended its session") < sessions; ++waits)
-    std::this_thread::sleep_for(10ms);
+  EXPECT_TRUE(becomes_true([&] { return occurrences(server.err(), " ended its session") >= sessions; }));
 }
 
 TEST(LabLoad, IsAnsweredByARealServerAndEndsItsSessions) {
@@ -77,8 +75,7 @@ TEST(Workers, HaveSchedFifoEach) {
     return all;
   };
   // Each asks for itself once it runs.
-  for (int i = 0; i < 2000 && threads_in_real_time() < 3; ++i) std::this_thread::sleep_for(10ms);
-  EXPECT_EQ(threads_in_real_time(), 3);
+  EXPECT_TRUE(becomes_true([&] { return threads_in_real_time() == 3; }));
   EXPECT_EQ(server.stop(), 0);
 }
 

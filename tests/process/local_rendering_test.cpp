@@ -3,10 +3,11 @@
 #include <csignal>
 #include <filesystem>
 #include <optional>
-#include <thread>
 
 #include "tests/process/passive.hpp"
 #include "tests/process/programs.hpp"
+#include "tests/process/recorded_run.hpp"
+#include "tests/support/becomes_true.hpp"
 #include "tests/tools/temporary_folder.hpp"
 
 namespace forcebound::test {
@@ -41,14 +42,13 @@ TEST(LocalRendering, GoesOnWhileTheServerIsDeadAndWithTheNextOne) {
   std::optional<Server> server;
   server.emplace(Words{"--scene", "sphere"});
   const std::string address = server->address();
-  Client client(address, {"--device", "omni", "--operator", "trace-sphere", "--rendering", "local"});
-  ASSERT_TRUE(client.wait_for("connected"));
-  std::this_thread::sleep_for(1500ms);
+  RecordedClient client(address, {"--device", "omni", "--operator", "trace-sphere", "--rendering", "local"});
+  ASSERT_TRUE(client.wait_for("the scene has arrived"));
   server->stop(SIGKILL);
-  std::this_thread::sleep_for(4s);
+  const auto killed = steady_now();
+  EXPECT_TRUE(client.wait_for_tick([&](const auto& tick) { return tick.time > killed + 4s && is_pressed(tick); }));
   server.emplace(Words{"--scene", "sphere"}, address);
-  EXPECT_TRUE(server->wait_for("connected to scene")) << client.err();
-  std::this_thread::sleep_for(500ms);
+  EXPECT_TRUE(becomes_true([&] { return occurrences(client.err(), "connected; simulated:") == 2; })) << client.err();
   EXPECT_EQ(client.stop(), client.expected_end()) << client.err();
   const nlohmann::json summary = client.summary();
   ASSERT_TRUE(summary.is_object());

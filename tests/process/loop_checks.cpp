@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <sstream>
-#include <thread>
 #include <vector>
 
 #include "tests/process/passive.hpp"
@@ -56,8 +55,7 @@ LoopOutcome run_loop(const LoopSettings& settings) {
   client_words.insert(client_words.end(), settings.client.begin(), settings.client.end());
   Client client(relay.address(), client_words);
   EXPECT_EQ(client.wait(settings.duration + 20s), 0);
-  // Wait for datagrams in flight, so that they are in the log.
-  std::this_thread::sleep_for(1500ms);
+  Relay::let_everything_arrive();
   EXPECT_EQ(relay.stop(), 0);
   EXPECT_EQ(server.stop(), 0);
   return {client.summary(), server.out(), content(folder.file("log.csv"))};

@@ -7,10 +7,10 @@
 #include <regex>
 #include <set>
 #include <string>
-#include <thread>
 
 #include "forcebound/http/client.hpp"
 #include "tests/process/programs.hpp"
+#include "tests/support/becomes_true.hpp"
 #include "tests/support/source_folder.hpp"
 
 namespace forcebound::test {
@@ -29,11 +29,12 @@ std::string metrics_with(Process& program, const std::string& text) {
   static const std::regex kAddress(R"(http://([0-9.]+):(\d+)/\?token=([0-9a-f]+))");
   if (!std::regex_search(out, match, kAddress)) return "no address in: " + out;
   const http::Url url{.host = match[1], .port = match[2], .target = "/metrics?token=" + match[3].str()};
-  for (;;) {
-    const http::Response answer = http::ask(url, {}, 10s);
-    if (answer.status != 200 || answer.body.find(text) != std::string::npos) return answer.body;
-    std::this_thread::sleep_for(100ms);
-  }
+  http::Response answer;
+  EXPECT_TRUE(becomes_true([&] {
+    answer = http::ask(url, {}, 10s);
+    return answer.status != 200 || answer.body.find(text) != std::string::npos;
+  }));
+  return answer.body;
 }
 
 std::set<std::string> names_in(const std::string& text, const std::regex& pattern) {

@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -13,11 +12,9 @@
 namespace forcebound::test {
 namespace {
 
-using namespace std::chrono_literals;
 using testing::AllOf;
 using testing::HasSubstr;
 
-constexpr auto kPatience = 40s;
 const Words kHand{"--device", "omni", "--operator", "trace-sphere", "--rendering", "remote", "--scene-cache", "none"};
 
 Words both(Words words, const Words& more) {
@@ -75,8 +72,8 @@ TEST_F(NamesOfServers, WithBothKindsOfAddressLeadToTheOneThatHasAServer) {
     Program client(*this, client_of(port, {"--once", "--duration", "2"}));
     std::string words = "haptics.test:";
     words.append(port).append(" is at ").append(address);
-    EXPECT_TRUE(client.wait_for(words, kPatience)) << client.err();
-    EXPECT_TRUE(client.wait_for("connected; simulated", kPatience)) << client.err();
+    EXPECT_TRUE(client.wait_for(words)) << client.err();
+    EXPECT_TRUE(client.wait_for("connected; simulated")) << client.err();
     EXPECT_EQ(server.stop(), 0);
   }
 }
@@ -85,11 +82,11 @@ TEST_F(NamesOfServers, ThatLeadNowhereYetAreLookedUpAgain) {
   Server server({"--scene", "sphere"});
   const std::string port = port_of(server.address());
   Program client(*this, client_of(port));
-  ASSERT_TRUE(client.wait_for("cannot find the address of host 'haptics.test'", kPatience)) << client.err();
-  ASSERT_TRUE(client.wait_for("no answer from haptics.test:" + port + " (cannot find", kPatience)) << client.err();
+  ASSERT_TRUE(client.wait_for("cannot find the address of host 'haptics.test'")) << client.err();
+  ASSERT_TRUE(client.wait_for("no answer from haptics.test:" + port + " (cannot find")) << client.err();
   lead_to({"127.0.0.1"});
-  EXPECT_TRUE(client.wait_for("haptics.test:" + port + " is at " + server.address(), kPatience)) << client.err();
-  EXPECT_TRUE(client.wait_for("connected; simulated", kPatience)) << client.err();
+  EXPECT_TRUE(client.wait_for("haptics.test:" + port + " is at " + server.address())) << client.err();
+  EXPECT_TRUE(client.wait_for("connected; simulated")) << client.err();
 }
 
 TEST_F(NamesOfServers, EndAClientThatIsToldOnceWithTheirName) {
@@ -111,17 +108,17 @@ TEST_F(NamesOfServers, OfAServerThatMovesLeadClientAndRelayToIt) {
   Client through_relay(said.substr(at, said.find(',', at) - at), kHand);
   Program client(*this, client_of(port));
   for (Process* const each : {static_cast<Process*>(&client), static_cast<Process*>(&through_relay)}) {
-    ASSERT_TRUE(each->wait_for("connected; simulated", kPatience)) << each->err();
+    ASSERT_TRUE(each->wait_for("connected; simulated")) << each->err();
   }
   server->signal(SIGKILL);
   server.reset();
   server.emplace(Words{"--scene", "sphere"}, "127.0.0.2:" + port);
   lead_to({"127.0.0.2"});
-  EXPECT_TRUE(client.wait_for("haptics.test:" + port + " is at 127.0.0.2:" + port, kPatience)) << client.err();
-  EXPECT_TRUE(relay.wait_for("haptics.test:" + port + " is at 127.0.0.2:" + port, kPatience)) << relay.err();
+  EXPECT_TRUE(client.wait_for("haptics.test:" + port + " is at 127.0.0.2:" + port)) << client.err();
+  EXPECT_TRUE(relay.wait_for("haptics.test:" + port + " is at 127.0.0.2:" + port)) << relay.err();
   // Each asks the new server for a session: told that it has none, or before the first such answer.
   for (Process* const each : {static_cast<Process*>(&client), static_cast<Process*>(&through_relay)}) {
-    EXPECT_TRUE(each->wait_for("forces are fresh again", kPatience)) << each->err();
+    EXPECT_TRUE(each->wait_for("forces are fresh again")) << each->err();
   }
   EXPECT_EQ(relay.stop(), 0);
 }

@@ -9,6 +9,7 @@
 #include <regex>
 #include <sstream>
 #include <stdexcept>
+#include <thread>
 
 namespace forcebound::test {
 
@@ -49,6 +50,8 @@ Listener::Listener(const char* program, const Words& arguments, const std::strin
 
 Relay::Relay(const std::string& upstream, const Words& arguments)
     : Listener(kRelay, with({"--upstream", upstream}, arguments)) {}
+
+void Relay::let_everything_arrive() { std::this_thread::sleep_for(std::chrono::seconds{2}); }
 
 Client::Client(const std::string& server, const Words& arguments)
     : Process(kClient, with_rendering(

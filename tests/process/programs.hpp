@@ -45,6 +45,10 @@ class Server : public Listener {
 class Relay : public Listener {
  public:
   Relay(const std::string& upstream, const Words& arguments);
+
+  /// Waits, after the client's end, until nothing is under way any more. That is a time, many times the delay of the
+  /// tests' networks: nobody sees from outside what waits in a relay.
+  static void let_everything_arrive();
 };
 
 /// Where a client writes its summary; a base, to be there before the program starts.

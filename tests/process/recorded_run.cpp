@@ -3,9 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
 
+#include "forcebound/client/session/late_force_policy.hpp"
 #include "forcebound/control/law_registry.hpp"
 #include "tests/process/passive.hpp"
+#include "tests/support/becomes_true.hpp"
 
 namespace forcebound::test {
 namespace {
@@ -60,8 +66,26 @@ RecordedClient::RecordedClient(const std::string& server, const Words& arguments
 
 RecordedRun RecordedClient::run() const {
   RecordedRun run;
-  EXPECT_TRUE(record::read_recording(TemporaryFolder::file("run.mcap"), run)) << "the recording is incomplete";
+  EXPECT_TRUE(record::read_recording(recording(), run)) << "the recording is incomplete";
   return run;
+}
+
+bool RecordedClient::wait_for_tick(const std::function<bool(const record::TickRecord&)>& condition) const {
+  std::uintmax_t bytes = 0;
+  return becomes_true([&] {
+    std::error_code not_there;
+    const std::uintmax_t now = std::filesystem::file_size(recording(), not_there);
+    if (not_there || std::exchange(bytes, now) == now) return false;
+    // A copy, since the reader asks for the size of a file once.
+    const std::string so_far = TemporaryFolder::file("so_far.mcap");
+    write_file(so_far, content(recording()));
+    RecordedRun run;
+    try {
+      record::read_recording(so_far, run);
+    } catch (const std::runtime_error&) {  // its beginning is not written yet
+    }
+    return std::ranges::any_of(run.ticks, condition);
+  });
 }
 
 }  // namespace forcebound::test

@@ -1,11 +1,11 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
 
-#include "forcebound/client/session/late_force_policy.hpp"
 #include "forcebound/record/recording_reader.hpp"
 #include "tests/process/programs.hpp"
 
@@ -43,7 +43,16 @@ class RecordedClient : private TemporaryFolder, public Client {
 
   /// After its end.
   [[nodiscard]] RecordedRun run() const;
+
+  /// Waits until its recording has a tick for which the condition holds.
+  [[nodiscard]] bool wait_for_tick(const std::function<bool(const record::TickRecord&)>& condition) const;
+
+  [[nodiscard]] std::string recording() const { return TemporaryFolder::file("run.mcap"); }
 };
+
+/// Conditions for a tick: a force is here; the hand is in contact.
+inline bool is_answered(const record::TickRecord& tick) { return tick.force_sequence > 0; }
+inline bool is_pressed(const record::TickRecord& tick) { return tick.applied.norm() > 0.1; }
 
 /// Now, by the clock of the recordings.
 inline time::Nanoseconds steady_now() { return std::chrono::steady_clock::now().time_since_epoch(); }

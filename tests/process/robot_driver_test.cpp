@@ -1,17 +1,16 @@
 #include <gmock/gmock.h>
 
-#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <optional>
 #include <sstream>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
 #include "tests/process/leader.hpp"
 #include "tests/process/programs.hpp"
+#include "tests/support/becomes_true.hpp"
 #include "tests/tools/temporary_folder.hpp"
 
 namespace forcebound::test {
@@ -38,11 +37,7 @@ class FaultyRobot : public testing::Test {
     leader.emplace(server->address(), hand.options());
     ASSERT_TRUE(leader->wait_for("the robot follows", kLong)) << server->err();
     // Until the hand moves there is no torque.
-    const auto until = std::chrono::steady_clock::now() + kLong;
-    while (!std::filesystem::exists(folder.file("pushed"))) {
-      ASSERT_LT(std::chrono::steady_clock::now(), until) << server->err();
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    }
+    ASSERT_TRUE(becomes_true([&] { return std::filesystem::exists(folder.file("pushed")); })) << server->err();
   }
   void go_wrong() { write_file(folder.file("fault"), ""); }
 

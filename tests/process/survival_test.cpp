@@ -29,8 +29,7 @@ class HandsInContact : public testing::Test {
       clients.emplace_back(address,
                            Words{"--scene", "wall", "--device", "wall-1dof", "--operator", "press", "--law", law});
     }
-    for (RecordedClient& client : clients) EXPECT_TRUE(client.wait_for("connected"));
-    std::this_thread::sleep_for(2s);
+    for (const RecordedClient& client : clients) EXPECT_TRUE(client.wait_for_tick(is_pressed));
   }
 
   void signal_all(int number) {
@@ -68,19 +67,21 @@ const TickRecord* first_tick(const RecordedRun& run, Nanoseconds since, ForcePol
   return first_tick(run, since, [&](const TickRecord& tick) { return tick.policy == policy; });
 }
 
+auto is_fresh_after(Nanoseconds time) {
+  return [time](const TickRecord& tick) { return tick.time > time && tick.policy == ForcePolicy::fresh; };
+}
+
 TEST_F(HandsInContact, FeelTheForceOfAKilledServerFadeAndThenTheNextServer) {
   const Nanoseconds killed = steady_now();
   server->stop(SIGKILL);
-  std::this_thread::sleep_for(1500ms);
+  for (RecordedClient& client : clients) EXPECT_TRUE(client.wait_for(": zero force"));
   const Nanoseconds restarted = steady_now();
   // Waits until it listens. A client may have its first force before this returns.
   server.emplace(Words{}, address);
-  for (RecordedClient& client : clients) EXPECT_TRUE(client.wait_for("forces are fresh again"));
-  std::this_thread::sleep_for(1s);
+  for (const RecordedClient& client : clients) EXPECT_TRUE(client.wait_for_tick(is_fresh_after(restarted)));
 
   end_and_look([&](const RecordedClient& client, const RecordedRun& run) {
-    const TickRecord* const pressing =
-        first_tick(run, run.ticks.front().time, [](const TickRecord& tick) { return tick.applied.norm() > 0.1; });
+    const TickRecord* const pressing = first_tick(run, run.ticks.front().time, is_pressed);
     const TickRecord* const fading = first_tick(run, killed, ForcePolicy::fading);
     const TickRecord* const dropped = first_tick(run, killed, ForcePolicy::dropped);
     ASSERT_TRUE(pressing && fading && dropped);
@@ -114,15 +115,15 @@ TEST_F(HandsInContact, FeelNoJumpWhenTheirStoppedClientsRunAgain) {
   signal_all(SIGSTOP);
   std::this_thread::sleep_for(2s);
   signal_all(SIGCONT);
-  std::this_thread::sleep_for(1500ms);
+  const Nanoseconds resumed_by_now = steady_now();
+  for (const RecordedClient& client : clients) EXPECT_TRUE(client.wait_for_tick(is_fresh_after(resumed_by_now)));
 
   end_and_look([&](const RecordedClient& client, const RecordedRun& run) {
     const TickRecord* const resumed =
         first_tick(run, run.ticks.front().time, [](const TickRecord& tick) { return tick.interval > 1900ms; });
     ASSERT_NE(resumed, nullptr);
     ASSERT_GT(resumed->tick, 1U);
-    const TickRecord* const pressing =
-        first_tick(run, run.ticks.front().time, [](const TickRecord& tick) { return tick.applied.norm() > 0.1; });
+    const TickRecord* const pressing = first_tick(run, run.ticks.front().time, is_pressed);
     ASSERT_NE(pressing, nullptr);
     EXPECT_LT(pressing->time, resumed->time) << "in contact";
     // Forces received meanwhile are two seconds old; but a fast server may have answered the motion sent just now.
