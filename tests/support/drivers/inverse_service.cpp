@@ -143,6 +143,7 @@ bool InverseService::obey(const std::string& line) {
     muted_ = true;
   } else if (word == "talk") {
     muted_ = false;
+    muted_.notify_all();
     said_.clear();
   } else if (word == "keep") {
     keeps_ = true;

@@ -28,7 +28,7 @@ class InverseService {
   /// False: none of these.
   bool obey(const std::string& line);
 
-  [[nodiscard]] bool muted() const { return muted_; }
+  void wait_while_muted() const { muted_.wait(true); }
 
  private:
   [[nodiscard]] nlohmann::json inventory();

@@ -9,7 +9,6 @@
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/websocket.hpp>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -32,7 +31,7 @@ constexpr double kHold_s = 0.1;
 constexpr int kPriority = 80;  // above the driver's, which waits for it
 
 void write(Stream& stream, InverseService& service, const std::string& text) {
-  while (service.muted()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  service.wait_while_muted();
   stream.write(asio::buffer(text));
 }
 

@@ -15,6 +15,7 @@
 #include "forcebound/text/file.hpp"
 #include "forcebound/time/clock.hpp"
 #include "forcebound/time/signal_stack.hpp"
+#include "tests/support/becomes_true.hpp"
 #include "tests/tools/temporary_folder.hpp"
 
 namespace forcebound::driver {
@@ -101,7 +102,7 @@ TEST(Crash, LeavesWhoLooksForItToEndTheProgram) {
       const CallInProgress in_call("pen", "read");
       std::raise(SIGFPE);
     }).detach();
-    while (crash_in_words().empty()) std::this_thread::sleep_for(1ms);
+    (void)test::becomes_true([] { return !crash_in_words().empty(); });
     std::fprintf(stderr, "%s", std::string(crash_in_words()).c_str());
     std::_Exit(has_crashed() ? 7 : 1);
   };

@@ -4,16 +4,15 @@
 #include <gmock/gmock.h>
 
 #include <array>
-#include <chrono>
 #include <memory>
 #include <stdexcept>
 #include <string>
-#include <thread>
 #include <utility>
 
 #include "forcebound/driver/driver_device.hpp"
 #include "forcebound/driver/driver_library.hpp"
 #include "forcebound/time/steady_clock.hpp"
+#include "tests/support/becomes_true.hpp"
 
 namespace forcebound::driver {
 
@@ -46,15 +45,15 @@ class DriverOnStandIn : public testing::Test {
 
   void open(const std::string& more = "") { device = opened("library=" + stand_in + more); }
 
-  /// Reads and commands at about 1 kHz until the condition holds, however long that takes.
+  /// Reads and commands at about 1 kHz until the condition holds.
   template <class Condition>
   void tick_until(const Vector& force_N, Condition condition) {
-    do {
+    EXPECT_TRUE(test::becomes_true([&] {
       reading = device->read(clock.now());
       if (reading.status == Status::ok) last = reading;
       device->apply(clock.now(), force_N);
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    } while (!condition());
+      return condition();
+    }));
   }
 
   void tick_until_read() {
@@ -79,7 +78,7 @@ class DriverOnStandIn : public testing::Test {
   }
 
   void wait_for_no_force() const {
-    while (felt_N() != std::array<double, 3>{}) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    EXPECT_TRUE(test::becomes_true([&] { return felt_N() == std::array<double, 3>{}; }));
   }
 
   template <class Function>

@@ -1,7 +1,6 @@
 #include <gmock/gmock.h>
 
 #include <array>
-#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <memory>
@@ -9,13 +8,13 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
-#include <thread>
 #include <utility>
 #include <vector>
 
 #include "forcebound/driver/driver_device.hpp"
 #include "forcebound/driver/driver_library.hpp"
 #include "forcebound/time/steady_clock.hpp"
+#include "tests/support/becomes_true.hpp"
 #include "tests/support/process.hpp"
 
 namespace forcebound::driver {
@@ -25,10 +24,7 @@ using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
-using namespace std::chrono_literals;
 using Status = device::Reading::Status;
-
-constexpr auto kLong = 10min;
 
 std::unique_ptr<DriverDevice> haply(const std::string& settings) {
   const std::string file = std::string(FORCEBOUND_DRIVERS) + "/forcebound-device-haply.so";
@@ -51,7 +47,7 @@ class Haply : public testing::Test {
     service = std::make_unique<test::Process>(FORCEBOUND_INVERSE_SERVICE, std::vector<std::string>{port, version},
                                               test::Process::Input::pipe);
     ::unsetenv("FORCEBOUND_STAND_IN_HOLD_S");
-    if (!service->wait_for("listening on port ", kLong)) throw std::runtime_error("no service");
+    if (!service->wait_for("listening on port ")) throw std::runtime_error("no service");
     const std::string out = service->out();
     port_ = out.substr(out.rfind(' ') + 1);
     port_.pop_back();
@@ -67,11 +63,12 @@ class Haply : public testing::Test {
   Seen seen() {
     const std::string name = "look " + std::to_string(++looks_) + " ";
     tell(name);
-    std::string out = service->out();
-    while (out.find(name) == std::string::npos || out.back() != '\n') {
-      std::this_thread::sleep_for(100us);
+    std::string out;
+    EXPECT_TRUE(test::becomes_true([&] {
       out = service->out();
-    }
+      return out.find(name) != std::string::npos && out.back() == '\n';
+    }));
+    if (out.find(name) == std::string::npos) return {};
     std::istringstream line(out.substr(out.find(name) + name.size()));
     Seen now;
     line >> now.force_N[0] >> now.force_N[1] >> now.force_N[2] >> now.spelling >> now.basis;
@@ -80,15 +77,15 @@ class Haply : public testing::Test {
 
   std::array<double, 3> felt_N() { return seen().force_N; }
 
-  /// Reads and commands until the condition holds, however long that takes.
+  /// Reads and commands until the condition holds.
   template <class Condition>
   void tick_until(const Vector& force_N, Condition condition) {
-    do {
+    EXPECT_TRUE(test::becomes_true([&] {
       reading = device->read(clock.now());
       if (reading.status == Status::ok) last = reading;
       device->apply(clock.now(), force_N);
-      std::this_thread::sleep_for(1ms);
-    } while (!condition());
+      return condition();
+    }));
   }
 
   void tick_until_read() {
@@ -112,7 +109,7 @@ class Haply : public testing::Test {
     });
   }
   void wait_for_no_force() {
-    while (felt_N() != std::array<double, 3>{}) std::this_thread::sleep_for(1ms);
+    EXPECT_TRUE(test::becomes_true([&] { return felt_N() == std::array<double, 3>{}; }));
   }
 
   bool holds_for_ever = false;  ///< the device has no watchdog, so that only the driver ends a force
@@ -188,12 +185,13 @@ TEST_F(Haply, TellsOrientationAndButtonsOfTheGripIfThereIsOne) {
   ASSERT_EQ(driver.open(&setting, 1, &opened, error.data(), error.size()), FORCEBOUND_OK) << error.data();
   ASSERT_EQ(driver.start(opened), FORCEBOUND_OK);
   const auto told_until = [&](auto condition) {
-    for (;;) {
-      forcebound_reading told{};
+    forcebound_reading told{};
+    EXPECT_TRUE(test::becomes_true([&] {
+      told = {};
       told.size = sizeof told;
-      if (driver.read(opened, clock.now().count(), &told) == FORCEBOUND_OK && condition(told)) return told;
-      std::this_thread::sleep_for(1ms);
-    }
+      return driver.read(opened, clock.now().count(), &told) == FORCEBOUND_OK && condition(told);
+    }));
+    return told;
   };
   constexpr std::uint32_t kBoth = FORCEBOUND_HAS_ORIENTATION | FORCEBOUND_HAS_BUTTONS;
   tell("turn 0 0.6 0 0.8");
@@ -328,7 +326,7 @@ TEST_F(Haply, SaysWhatIsMissing) {
   (void)seen();
   refused(address(), HasSubstr("no answer within 2000 ms"));
   service->signal(SIGKILL);
-  (void)service->wait(kLong);
+  (void)service->wait();
   refused(address(), AllOf(HasSubstr("no Inverse service at 127.0.0.1:" + port() + " (Connection refused)"),
                            HasSubstr("it comes with Haply Hub, see docs.haply.co")));
 }

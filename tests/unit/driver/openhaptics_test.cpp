@@ -181,8 +181,7 @@ TEST_F(OpenHaptics, TellsButtonsAndTheStylusInTheScenesFrame) {
     told.size = sizeof told;
     return driver.read(touch, clock.now().count(), &told);
   };
-  while (read() != FORCEBOUND_OK || told.position_m[0] < 0.05)
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  EXPECT_TRUE(test::becomes_true([&] { return read() == FORCEBOUND_OK && told.position_m[0] >= 0.05; }));
   driver.close(touch);
   ASSERT_EQ(told.has, FORCEBOUND_HAS_BUTTONS | FORCEBOUND_HAS_ORIENTATION);
   EXPECT_EQ(told.buttons, 2U);

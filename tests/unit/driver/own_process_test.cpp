@@ -14,6 +14,7 @@
 #include "forcebound/driver/driver_device.hpp"
 #include "forcebound/driver/driver_library.hpp"
 #include "forcebound/time/steady_clock.hpp"
+#include "tests/support/becomes_true.hpp"
 #include "tests/support/drivers/stand_in_cable.hpp"
 #include "tests/support/process.hpp"
 #include "tests/tools/temporary_folder.hpp"
@@ -23,7 +24,6 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto kAWhile = 10min;
 constexpr const char* kSocket = "FORCEBOUND_STAND_IN_SOCKET";
 
 std::unique_ptr<DriverDevice> openhaptics() {
@@ -63,18 +63,20 @@ class OwnProcess : public testing::Test {
   }
 
   void wait_for_force(double force_N) const {
-    while (cable_->look().force_N[2] != force_N) std::this_thread::sleep_for(1ms);
+    EXPECT_TRUE(test::becomes_true([&] { return cable_->look().force_N[2] == force_N; }));
   }
 
   /// Waits until it listens.
   static std::unique_ptr<test::StandIn> listening_at(const std::string& socket) {
-    for (;;) {
+    std::unique_ptr<test::StandIn> cable;
+    EXPECT_TRUE(test::becomes_true([&] {
       try {
-        return test::plug_into(socket);
-      } catch (const std::runtime_error&) {
-        std::this_thread::sleep_for(1ms);
+        cable = test::plug_into(socket);
+      } catch (const std::runtime_error&) {  // not yet
       }
-    }
+      return cable != nullptr;
+    }));
+    return cable;
   }
 
   /// Those that a process has started, but for `other`.
@@ -101,12 +103,12 @@ TEST_F(OwnProcess, EndsTheForceOfAClientThatIsKilledAndThenItself) {
   ASSERT_EQ(processes.size(), 1U);
   client_->signal(SIGKILL);
   wait_for_force(0);
-  ASSERT_TRUE(client_->wait(kAWhile));
+  ASSERT_TRUE(client_->wait());
   const auto lives = [&] {
     const std::string state = test::content("/proc/" + std::to_string(processes.front()) + "/stat");
     return !state.empty() && state.find(") Z") == std::string::npos;
   };
-  while (lives()) std::this_thread::sleep_for(1ms);
+  EXPECT_TRUE(test::becomes_true([&] { return !lives(); }));
 }
 
 TEST_F(OwnProcess, EndsTheForceOfAClientThatIsStoppedAndGoesOnWithIt) {
@@ -130,11 +132,14 @@ TEST_F(OwnProcess, ThatIsKilledItselfIsAnUnpluggedDevice) {
   const auto device = openhaptics();
   device->start();
   const time::SteadyClock clock;
-  while (device->read(clock.now()).status != device::Reading::Status::ok) std::this_thread::sleep_for(1ms);
+  const auto reads = [&](device::Reading::Status status) {
+    return test::becomes_true([&] { return device->read(clock.now()).status == status; });
+  };
+  EXPECT_TRUE(reads(device::Reading::Status::ok));
   const auto processes = children_of(::getpid(), device_.pid());
   ASSERT_EQ(processes.size(), 1U);
   ASSERT_EQ(::kill(processes.front(), SIGKILL), 0);
-  while (device->read(clock.now()).status != device::Reading::Status::failed) std::this_thread::sleep_for(1ms);
+  EXPECT_TRUE(reads(device::Reading::Status::failed));
   EXPECT_EQ(device->last_error(), "the process that has Touch X 0042 ended");
 }
 

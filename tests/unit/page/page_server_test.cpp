@@ -21,6 +21,8 @@
 #include <thread>
 #include <vector>
 
+#include "tests/support/becomes_true.hpp"
+
 namespace forcebound::page {
 namespace {
 
@@ -140,7 +142,7 @@ class PageServerTest : public testing::Test {
 
   template <class Condition>
   static void wait_until(Condition condition) {
-    while (!condition()) std::this_thread::sleep_for(std::chrono::milliseconds{1});
+    EXPECT_TRUE(test::becomes_true(condition));
   }
 
   Echo echo;

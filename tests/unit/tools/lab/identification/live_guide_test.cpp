@@ -3,9 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
-#include <chrono>
 #include <memory>
-#include <thread>
 
 #include "tests/tools/lab/identification/hidden_device.hpp"
 
@@ -24,13 +22,16 @@ class BlockingDevice final : public device::HapticDevice {
     constexpr int kBlocksAt = 20;
     constexpr int kEnough = 40;
     if (reads_ == kBlocksAt) {
-      while (!stopped_) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      stopped_.wait(false);
     }
     if (reads_ == kEnough) stop_ = true;
     return device_.read(now);
   }
   void apply(time::Nanoseconds now, const control::Vector& force_N) noexcept override { device_.apply(now, force_N); }
-  void stop(time::Nanoseconds /*now*/) noexcept override { stopped_ = true; }
+  void stop(time::Nanoseconds /*now*/) noexcept override {
+    stopped_ = true;
+    stopped_.notify_all();
+  }
   [[nodiscard]] std::optional<time::Nanoseconds> released_at() const noexcept override { return std::nullopt; }
   [[nodiscard]] int reads() const noexcept { return reads_; }
 
