@@ -127,6 +127,8 @@ std::optional<Reader::Head> Reader::next_head() {
     ending_.whole = ending_.size - kMagic.size();
     return std::nullopt;
   }
+  // What a run still writes meanwhile is left out.
+  if (ending_.size - begin < kRecordHeaderBytes) return std::nullopt;
   head_bytes_.resize(kRecordHeaderBytes);
   in_.clear();
   in_.seekg(static_cast<std::streamoff>(begin));

@@ -207,6 +207,27 @@ TEST(Mcap, CutAnywhereLosesNoMessageThatIsWholeInTheFile) {
   }
 }
 
+// As that of a run that goes on: what comes while it is read is left out.
+TEST(Mcap, ThatGrowsIsReadAsFarAsItWentAtFirst) {
+  const std::string bytes = file_of(2500, Compression::none);
+  const auto pieces = pieces_of(bytes);
+  const auto first = std::ranges::find(pieces, Opcode::metadata, &Piece::opcode);
+  ASSERT_NE(first, pieces.end());
+  for (const std::size_t more : {0, 4, 9}) {
+    SCOPED_TRACE(more);
+    std::stringstream file(bytes.substr(0, first->end + more));
+    Visitor visitor;
+    visitor.metadata = [&](const std::string&, const auto&) {
+      file.seekp(0, std::ios::end);
+      file << bytes.substr(first->end + more);
+    };
+    const Ending ending = read(file, "f.mcap", visitor);
+    EXPECT_EQ(ending.messages, 0U);
+    EXPECT_EQ(ending.whole, first->end);
+    EXPECT_EQ(ending.size, first->end + more);
+  }
+}
+
 TEST(Mcap, CutWithinACompressedChunkGivesItsWholeBlocks) {
   std::ostringstream out;
   Writer writer(out, "test");
