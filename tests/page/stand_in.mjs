@@ -141,8 +141,12 @@ export class StandIn {
 
   async close() {
     this.timers.forEach(clearInterval);
+    const closed = new Promise((done) => this.server.close(done));
+    // Those too that are on their way in: the server waits for all.
+    this.sockets.on("connection", (socket) => socket.terminate());
     for (const socket of this.clients) socket.terminate();
-    await new Promise((done) => this.server.close(done));
+    this.server.closeAllConnections();
+    await closed;
   }
 
   send(message) {
