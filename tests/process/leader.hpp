@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -70,6 +69,5 @@ inline std::optional<double> least_port_millijoules(const std::string& totals) {
 
 inline constexpr double kPassiveLeast_mJ = -1e-6;
 inline constexpr double kPassiveLeast_J = -1e-9;
-inline constexpr std::chrono::seconds kLong{60};
 
 }  // namespace forcebound::test

@@ -35,7 +35,7 @@ class FaultyRobot : public testing::Test {
     server.emplace(
         Words{"--follower", driven("fault=" + fault + ",control=" + folder.path().string() + "," + kPatient)});
     leader.emplace(server->address(), hand.options());
-    ASSERT_TRUE(leader->wait_for("the robot follows", kLong)) << server->err();
+    ASSERT_TRUE(leader->wait_for("the robot follows")) << server->err();
     // Until the hand moves there is no torque.
     ASSERT_TRUE(becomes_true([&] { return std::filesystem::exists(folder.file("pushed")); })) << server->err();
   }
@@ -63,12 +63,12 @@ class FaultyRobot : public testing::Test {
   void expect_failure_and_return(const std::string& fault, const std::string& why) {
     begin(fault);
     go_wrong();
-    ASSERT_TRUE(server->wait_for(" -> failed", kLong)) << server->err();
-    EXPECT_TRUE(leader->wait_for("the robot refuses", kLong)) << leader->err();
-    EXPECT_TRUE(server->wait_for(": the robot refuses: " + why + "\n", kLong)) << server->err();
+    ASSERT_TRUE(server->wait_for(" -> failed")) << server->err();
+    EXPECT_TRUE(leader->wait_for("the robot refuses")) << leader->err();
+    EXPECT_TRUE(server->wait_for(": the robot refuses: " + why + "\n")) << server->err();
     std::filesystem::remove(folder.file("fault"));
-    EXPECT_TRUE(server->wait_for("failed -> stopped", kLong)) << server->err();
-    EXPECT_TRUE(leader->wait_for("the robot has stopped", kLong)) << leader->err();
+    EXPECT_TRUE(server->wait_for("failed -> stopped")) << server->err();
+    EXPECT_TRUE(leader->wait_for("the robot has stopped")) << leader->err();
     expect_both_end_well();
     const auto [after_good, after_bad] = torques();
     EXPECT_GT(after_good, 0);
@@ -79,9 +79,9 @@ class FaultyRobot : public testing::Test {
   /// that refuses goes out before.
   void expect_end(const std::string& why, int exit_code = 1) {
     go_wrong();
-    EXPECT_EQ(server->wait(kLong), exit_code) << server->err();
+    EXPECT_EQ(server->wait(), exit_code) << server->err();
     EXPECT_THAT(server->err(), HasSubstr(why));
-    EXPECT_TRUE(leader->wait_for("the server ended the session", kLong)) << leader->err();
+    EXPECT_TRUE(leader->wait_for("the server ended the session")) << leader->err();
     EXPECT_EQ(leader->stop(), leader->expected_end()) << leader->err();
     EXPECT_GE(leader->summary()["passivity"]["minimum_J"], kPassiveLeast_J);
   }
@@ -96,7 +96,7 @@ TEST(ARobotBehindADriver, FollowsItsLeaderAndBothSidesArePassive) {
   const RecordedHand hand;
   Server server({"--follower", driven(kPatient)});
   Client client(server.address(), and_also(hand.options(), {"--duration", "7", "--once"}));
-  EXPECT_EQ(client.wait(kLong), 0);
+  EXPECT_EQ(client.wait(), 0);
   EXPECT_TRUE(has_in_order(client.err(), {"the robot waits: keep the device still", "the robot follows"}));
   const nlohmann::json summary = client.summary();
   EXPECT_GT(summary["follower"]["seconds"]["following"], 0);
@@ -133,11 +133,11 @@ TEST_F(FaultyRobot, FailsWhenItIsUnplugged) { expect_failure_and_return("unplugg
 TEST_F(FaultyRobot, ThatDoesNotReturnFromACallForAWhileIsStoppedAndItsLeaderTold) {
   begin("slow");
   go_wrong();
-  EXPECT_TRUE(leader->wait_for("the robot refuses", kLong)) << leader->err();
+  EXPECT_TRUE(leader->wait_for("the robot refuses")) << leader->err();
   std::filesystem::remove(folder.file("fault"));
   // A machine so slow that it took 2 s to come here has ended the server.
-  if (!server->wait_for("-> stopped", kLong)) {
-    EXPECT_EQ(server->wait(kLong), 1);
+  if (!server->wait_for("-> stopped")) {
+    EXPECT_EQ(server->wait(), 1);
     GTEST_SKIP() << "the machine is too slow";
   }
   EXPECT_TRUE(std::filesystem::exists(folder.file("stopped")));
@@ -184,28 +184,28 @@ TEST_F(FaultyRobot, WhoseDriverCrashesInAThreadOfItsOwnIsStoppedAndTheServerEnds
 TEST_F(FaultyRobot, ThatStopsByItselfSaysSo) {
   begin("stops");
   go_wrong();
-  ASSERT_TRUE(server->wait_for("-> stopped", kLong)) << server->err();
+  ASSERT_TRUE(server->wait_for("-> stopped")) << server->err();
   EXPECT_THAT(server->err(), HasSubstr("the robot stopped by itself: the robot stopped itself"));
-  EXPECT_TRUE(leader->wait_for("the robot has stopped", kLong)) << leader->err();
+  EXPECT_TRUE(leader->wait_for("the robot has stopped")) << leader->err();
   expect_both_end_well();
 }
 
 TEST_F(FaultyRobot, IsStoppedWhenItsLeaderIsKilledAndFollowsTheNext) {
   begin("none");
   leader->signal(SIGKILL);
-  ASSERT_TRUE(leader->wait(kLong));
-  ASSERT_TRUE(server->wait_for("stopping -> stopped", kLong)) << server->err();
+  ASSERT_TRUE(leader->wait());
+  ASSERT_TRUE(server->wait_for("stopping -> stopped")) << server->err();
   EXPECT_TRUE(std::filesystem::exists(folder.file("stopped")));
   leader.emplace(server->address(), hand.options());
-  EXPECT_TRUE(leader->wait_for("the robot has stopped: keep the device still", kLong)) << leader->err();
-  EXPECT_TRUE(leader->wait_for("the robot follows", kLong)) << leader->err();
+  EXPECT_TRUE(leader->wait_for("the robot has stopped: keep the device still")) << leader->err();
+  EXPECT_TRUE(leader->wait_for("the robot follows")) << leader->err();
   expect_both_end_well();
 }
 
 TEST_F(FaultyRobot, WhoseServerIsKilledLeavesItsLeaderWithoutAForce) {
   begin("none");
   server->signal(SIGKILL);
-  ASSERT_TRUE(leader->wait_for("old: zero force", kLong)) << leader->err();
+  ASSERT_TRUE(leader->wait_for("old: zero force")) << leader->err();
   EXPECT_EQ(leader->stop(), leader->expected_end());
   EXPECT_GE(leader->summary()["passivity"]["minimum_J"], kPassiveLeast_J);
 }
@@ -213,7 +213,7 @@ TEST_F(FaultyRobot, WhoseServerIsKilledLeavesItsLeaderWithoutAForce) {
 TEST_F(FaultyRobot, RefusesASecondLeaderNamingTheFirst) {
   begin("none");
   Client second(server->address(), {"--device", "omni", "--operator", "wave", "--once", "--duration", "10"});
-  const std::optional<int> ended = second.wait(kLong);
+  const std::optional<int> ended = second.wait();
   if (ended != 1 && !was_led_all_the_time(*server))
     GTEST_SKIP() << "the machine is too slow: the first leader was silent";
   EXPECT_EQ(ended, 1);

@@ -22,7 +22,7 @@ TEST(ARobot, FollowsItsLeaderAndBothSidesArePassive) {
   const RecordedHand hand;
   Server server(kArm);
   Client client(server.address(), and_also(hand.options(), {"--duration", "7", "--once"}));
-  EXPECT_EQ(client.wait(kLong), 0);
+  EXPECT_EQ(client.wait(), 0);
   EXPECT_TRUE(has_in_order(
       client.err(), {"robot reach-7 at stiff-wall", "the robot waits: keep the device still", "the robot follows"}));
   const nlohmann::json summary = client.summary();
@@ -46,9 +46,9 @@ TEST(ARobot, FollowsItsLeaderAndBothSidesArePassive) {
 
 TEST(ARobot, LearnsItsSensorsBiasWhenItIsTold) {
   Server server(kArm);
-  ASSERT_TRUE(server.wait_for("listening on", kLong));
+  ASSERT_TRUE(server.wait_for("listening on"));
   server.signal(SIGUSR1);
-  EXPECT_TRUE(server.wait_for("robot: its sensor's bias is learned again", kLong)) << server.err();
+  EXPECT_TRUE(server.wait_for("robot: its sensor's bias is learned again")) << server.err();
   EXPECT_EQ(server.stop(), 0);
 }
 
@@ -57,18 +57,18 @@ TEST(ARobot, HoldsAndStopsWhenItsLeaderIsKilledAndFollowsTheNext) {
   Server server(kArm);
   {
     Client killed(server.address(), hand.options());
-    ASSERT_TRUE(killed.wait_for("the robot follows", kLong));
+    ASSERT_TRUE(killed.wait_for("the robot follows"));
     killed.signal(SIGKILL);
-    ASSERT_TRUE(killed.wait(kLong));
+    ASSERT_TRUE(killed.wait());
   }
-  ASSERT_TRUE(server.wait_for("stopping -> stopped", kLong));
+  ASSERT_TRUE(server.wait_for("stopping -> stopped"));
   // It holds first, unless the machine gave its loop no time until the leader had been silent for too long.
   EXPECT_TRUE(has_in_order(server.err(),
                            {"waiting -> following", "-> stopping", "the leader is silent", "stopping -> stopped"}));
   // The one that was killed has said no goodbye, so its session is still open.
   Client next(server.address(), hand.options());
-  EXPECT_TRUE(next.wait_for("the robot has stopped: keep the device still", kLong));
-  EXPECT_TRUE(next.wait_for("the robot follows", kLong));
+  EXPECT_TRUE(next.wait_for("the robot has stopped: keep the device still"));
+  EXPECT_TRUE(next.wait_for("the robot follows"));
   EXPECT_EQ(next.stop(), next.expected_end());
   EXPECT_EQ(server.stop(), 0);
 }
@@ -77,9 +77,9 @@ TEST(ALeader, FadesItsForceWhenTheServerIsKilled) {
   const RecordedHand hand;
   Server server(kArm);
   Client client(server.address(), hand.options());
-  ASSERT_TRUE(client.wait_for("the robot follows", kLong));
+  ASSERT_TRUE(client.wait_for("the robot follows"));
   server.signal(SIGKILL);
-  ASSERT_TRUE(client.wait_for("old: zero force", kLong));
+  ASSERT_TRUE(client.wait_for("old: zero force"));
   EXPECT_TRUE(has_in_order(client.err(), {"the robot follows", "old: fading", "old: zero force"}));
   EXPECT_EQ(client.stop(), 0);
   EXPECT_GE(client.summary()["passivity"]["minimum_J"], kPassiveLeast_J);
@@ -89,9 +89,9 @@ TEST(ARobot, RefusesASecondLeaderNamingTheFirst) {
   const RecordedHand hand;
   Server server(kArm);
   Client first(server.address(), hand.options());
-  ASSERT_TRUE(first.wait_for("the robot follows", kLong));
+  ASSERT_TRUE(first.wait_for("the robot follows"));
   Client second(server.address(), {"--device", "omni", "--operator", "wave", "--once", "--duration", "10"});
-  const std::optional<int> ended = second.wait(kLong);
+  const std::optional<int> ended = second.wait();
   if (ended != 1 && !was_led_all_the_time(server))
     GTEST_SKIP() << "the machine is too slow: the first leader was silent";
   EXPECT_EQ(ended, 1);
@@ -103,7 +103,7 @@ TEST(ARobot, RefusesASecondLeaderNamingTheFirst) {
 TEST(ARobot, RefusesALeaderOfTooFewDegreesOfFreedom) {
   Server server({"--follower", "reach-7", "--task", "plug"});
   Client client(server.address(), {"--device", "wall-1dof", "--once"});
-  EXPECT_EQ(client.wait(kLong), 1);
+  EXPECT_EQ(client.wait(), 1);
   EXPECT_THAT(client.err(), HasSubstr("'plug' accepts devices with 3 degrees of freedom, device 'wall-1dof' has 1"));
 }
 
@@ -111,11 +111,11 @@ TEST(ARobot, IsBroughtToRestBySigterm) {
   const RecordedHand hand;
   Server server(kArm);
   Client client(server.address(), hand.options());
-  ASSERT_TRUE(client.wait_for("the robot follows", kLong));
+  ASSERT_TRUE(client.wait_for("the robot follows"));
   EXPECT_EQ(server.stop(), 0);
   EXPECT_TRUE(has_in_order(server.err(), {"waiting -> following", "-> stopping", "stopping -> stopped"}));
   EXPECT_THAT(unwrapped(server.out()), HasSubstr("at the end at rest"));
-  EXPECT_TRUE(client.wait_for("the server ended the session", kLong));
+  EXPECT_TRUE(client.wait_for("the server ended the session"));
 }
 
 TEST(ARobot, IsRefusedInALineWhereItCannotBe) {
