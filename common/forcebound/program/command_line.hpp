@@ -1,18 +1,17 @@
 #pragma once
 
-#include <cstdint>
 #include <functional>
-#include <limits>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "forcebound/program/option_checks.hpp"
+
 // Reading <CLI/CLI.hpp> takes longer than all that most sources do: it is left to those that add options.
 namespace CLI {
 class App;
-class Validator;
-}  // namespace CLI
+}
 
 /// What the command lines of all programs have in common: the look of --help, the wording of errors, and exit codes.
 namespace forcebound::program {
@@ -74,21 +73,5 @@ struct FileOption {
 /// To be called before long work. Devices and pipes may be written twice, and read as well.
 /// @throws std::invalid_argument if writing `output` would replace one of the others.
 void expect_apart(const FileOption& output, const std::vector<FileOption>& others);
-
-/// Checks of an option's value. The message says what would be accepted; --help does not show them.
-///
-/// One of some names; an unknown one gets a suggestion: "unknown law 'fba', did you mean ...". @param what "law"
-CLI::Validator one_of(const std::string& what, std::vector<std::string> names);
-/// Any finite number.
-CLI::Validator number();
-/// A number from `least` to `most`, both included.
-CLI::Validator number_within(double least, double most = 1e9);
-/// Above 0, and at most 1e9.
-CLI::Validator number_above_zero();
-CLI::Validator whole_within(std::uint64_t least, std::uint64_t most = std::numeric_limits<std::uint64_t>::max());
-/// Not an empty text, as of a shell's variable that is not set.
-CLI::Validator not_empty();
-/// What a parser accepts, which otherwise throws std::invalid_argument.
-CLI::Validator accepted_by(std::function<void(const std::string&)> parser);
 
 }  // namespace forcebound::program

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "forcebound/config/node.hpp"
-#include "forcebound/program/command_line.hpp"
+#include "forcebound/program/option_checks.hpp"
 #include "forcebound/text/file.hpp"
 #include "forcebound/text/names.hpp"
 #include "forcebound/text/numbers.hpp"
