@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "forcebound/client/commands/check_device/device_checks.hpp"
+#include "forcebound/client/commands/check_device/device_check.hpp"
 #include "forcebound/control/reading_status.hpp"
 
 namespace forcebound::client::commands {

@@ -2,7 +2,7 @@
 
 #include <functional>
 
-#include "forcebound/client/commands/check_device/device_checks.hpp"
+#include "forcebound/client/commands/check_device/device_check.hpp"
 #include "forcebound/client/commands/check_device/device_driving.hpp"
 
 namespace forcebound::client::commands {

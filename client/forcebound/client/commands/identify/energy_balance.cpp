@@ -76,7 +76,7 @@ EnergyBalance balance_energy(std::span<const Slide> slides, const ReleaseFit& fi
   };
   balance.damping = bound_of(kDamping);
   balance.friction = bound_of(kFirstPlace);
-  for (int i = 0; i < EnergyBalance::kPlaces; ++i) {
+  for (int i = 0; i < kPlaces; ++i) {
     const LowerBound here = bound_of(kFirstPlace + i);
     balance.friction_at[static_cast<std::size_t>(i)] = here.estimate;
     if (here.bound < balance.friction.bound) balance.friction = here;

@@ -8,6 +8,8 @@
 
 #include "forcebound/client/commands/identify/release_fit.hpp"
 #include "forcebound/client/commands/identify/slide.hpp"
+#include "forcebound/client/commands/identify/slide_energy.hpp"
+#include "forcebound/client/commands/identify/usable_force.hpp"
 
 namespace forcebound::client::commands::identify {
 
@@ -16,19 +18,6 @@ struct LowerBound {
   double estimate = 0;
   double bound = 0;
   std::string refused{};
-};
-
-/// What the largest pushes gave of what was commanded: share 0 where that could not be told.
-struct UsableForce {
-  double largest = 0;      ///< push that was commanded [N], [N m]
-  double share = 0;        ///< of it that the motion shows
-  double share_error = 0;  ///< it lies within so much of the truth, with the confidence of the bounds
-
-  static constexpr double kSlack = 0.03;  ///< what no motion tells
-  static constexpr double kWidest = 0.1;  ///< error beyond which nothing is told
-
-  [[nodiscard]] bool falls_short() const noexcept { return share > 0 && share + share_error < 1 - kSlack; }
-  [[nodiscard]] bool told() const noexcept { return share > 0 && share_error < kWidest; }
 };
 
 /// The energy that one joint's slides took.
@@ -42,8 +31,6 @@ struct UsableForce {
 /// is sought. The friction is one number for each part of the workspace, so that the least of them is a bound in all of
 /// it. A weight g that pulls on the joint takes on the way back what it gave.
 struct EnergyBalance {
-  static constexpr int kPlaces = 3;
-
   LowerBound damping{};                       ///< [N s/m], [N m s/rad]
   LowerBound friction{};                      ///< the least of all places [N], [N m]
   std::array<double, kPlaces> friction_at{};  ///< estimates

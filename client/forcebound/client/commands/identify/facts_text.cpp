@@ -92,7 +92,7 @@ void write_joints(Lines& lines, const Findings& findings, bool cartesian, double
                   [](const JointFindings& j) {
                     return j.balance.friction.refused.empty() ? written_below(j.balance.friction.bound) : "0";
                   }),
-             "lower bound, least of " + std::to_string(EnergyBalance::kPlaces) + " places; " + from);
+             "lower bound, least of " + std::to_string(kPlaces) + " places; " + from);
   if (any_refused(findings, [](const JointFindings& j) -> const std::string& { return j.encoder_refused; })) {
     lines.refused(step, "see the reasons above");
   } else {

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "forcebound/client/commands/identify/release_state.hpp"
 #include "forcebound/client/commands/identify/slide.hpp"
 
 namespace forcebound::client::commands::identify {
@@ -23,20 +24,15 @@ struct Estimate {
 /// velocity at the release belong to each slide, all else to the joint; the friction to each direction, so that a
 /// weight that pulls on the joint does no harm.
 struct ReleaseFit {
-  struct State {
-    bool used = false;    ///< too short around the release, or not released
-    double progress = 0;  ///< where the force ended
-    double speed = 0;     ///< and how fast it was there
-  };
-  double mass = 0;                   ///< [kg], [kg m^2]
-  double damping = 0;                ///< [N s/m], [N m s/rad]
-  double friction = 0;               ///< mean of both directions [N], [N m]
-  double weight = 0;                 ///< half their difference: what pulls backwards
-  Estimate latency_s{};              ///< from a command to its effect
-  std::optional<Estimate> hold_s{};  ///< from the effect of the last command to the end of the force
-  double residual = 0;               ///< root mean square, in encoder steps; rounding alone makes 0.29
-  int slides = 0;                    ///< that were used
-  std::vector<State> states{};       ///< for each slide
+  double mass = 0;                     ///< [kg], [kg m^2]
+  double damping = 0;                  ///< [N s/m], [N m s/rad]
+  double friction = 0;                 ///< mean of both directions [N], [N m]
+  double weight = 0;                   ///< half their difference: what pulls backwards
+  Estimate latency_s{};                ///< from a command to its effect
+  std::optional<Estimate> hold_s{};    ///< from the effect of the last command to the end of the force
+  double residual = 0;                 ///< root mean square, in encoder steps; rounding alone makes 0.29
+  int slides = 0;                      ///< that were used
+  std::vector<ReleaseState> states{};  ///< for each slide
 };
 
 /// What is believed before: where the fit begins.

@@ -22,7 +22,7 @@ double ReleaseSolver::moving_s(std::size_t slide, const SharedVector& shared, co
   return pushed + stopped_s(point.speed * r.decay + drive * r.phi, slowing(slide, shared), shared[kRate]);
 }
 
-ReleaseFit::State ReleaseSolver::at_release(std::size_t slide) const noexcept {
+ReleaseState ReleaseSolver::at_release(std::size_t slide) const noexcept {
   if (!used(slide)) return {};
   const Response r = response(pushed_s(slide, shared_), shared_[kRate]);
   const double drive = slides_[slide].push() * shared_[kMobility] - slowing(slide, shared_);

@@ -5,7 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "forcebound/client/commands/identify/release_fit.hpp"
+#include "forcebound/client/commands/identify/release_state.hpp"
+#include "forcebound/client/commands/identify/slide.hpp"
 #include "forcebound/client/commands/identify/slide_motion.hpp"
 
 namespace forcebound::client::commands::identify {
@@ -53,7 +54,7 @@ class ReleaseSolver {
 
   [[nodiscard]] double cost() const noexcept { return cost_at(shared_, points_); }
   [[nodiscard]] const SharedVector& shared() const noexcept { return shared_; }
-  [[nodiscard]] ReleaseFit::State at_release(std::size_t slide) const noexcept;
+  [[nodiscard]] ReleaseState at_release(std::size_t slide) const noexcept;
   [[nodiscard]] bool used(std::size_t slide) const noexcept { return parts_[slide].end > parts_[slide].begin; }
   struct Errors {
     SharedMatrix by_scatter = SharedMatrix::Zero();

@@ -82,7 +82,7 @@ Ending ending_of(const Slide& slide, double step) {
 
 int place_of(double position, double from, double to) noexcept {
   const double share = (position - from) / std::max(to - from, 1e-12);
-  return std::clamp(static_cast<int>(share * EnergyBalance::kPlaces), 0, EnergyBalance::kPlaces - 1);
+  return std::clamp(static_cast<int>(share * kPlaces), 0, kPlaces - 1);
 }
 
 /// The way from 0 to `progress`, by places.
@@ -141,7 +141,7 @@ double delay_of(const Slide& slide, const ReleaseFit& fit) noexcept {
 
 }  // namespace
 
-SlideEquations equations_of(const Slide& slide, const ReleaseFit& fit, const ReleaseFit::State& state, double step,
+SlideEquations equations_of(const Slide& slide, const ReleaseFit& fit, const ReleaseState& state, double step,
                             double from, double to) {
   const double rounding = step / std::sqrt(12.0);
   const double release_s = slide.released_s() + delay_of(slide, fit);

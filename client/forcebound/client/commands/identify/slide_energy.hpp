@@ -3,18 +3,22 @@
 #include <Eigen/Core>
 #include <cstddef>
 
-#include "forcebound/client/commands/identify/energy_balance.hpp"
+#include "forcebound/client/commands/identify/release_fit.hpp"
+#include "forcebound/client/commands/identify/slide.hpp"
 
 namespace forcebound::client::commands::identify {
 
 // The energy of one slide, linear in what is sought of its joint.
+
+/// Parts of the workspace, each with a friction of its own.
+inline constexpr int kPlaces = 3;
 
 // Unknowns.
 inline constexpr int kDamping = 0;
 inline constexpr int kMass = 1;
 inline constexpr int kWeight = 2;
 inline constexpr int kFirstPlace = 3;
-inline constexpr int kCount = kFirstPlace + EnergyBalance::kPlaces;
+inline constexpr int kCount = kFirstPlace + kPlaces;
 using Row = Eigen::Matrix<double, kCount, 1>;
 using Square = Eigen::Matrix<double, kCount, kCount>;
 
@@ -35,7 +39,7 @@ struct SlideEquations {
 
 /// @param from where the places begin, from the joint's middle
 /// @param to where they end
-[[nodiscard]] SlideEquations equations_of(const Slide& slide, const ReleaseFit& fit, const ReleaseFit::State& state,
+[[nodiscard]] SlideEquations equations_of(const Slide& slide, const ReleaseFit& fit, const ReleaseState& state,
                                           double step, double from, double to);
 
 }  // namespace forcebound::client::commands::identify
