@@ -308,14 +308,6 @@ class LiveRun {
 
 }  // namespace
 
-std::string file_of_run(const std::string& file, int run, bool beside) {
-  if (file.empty() || (run == 1 && !beside)) return file;
-  const std::filesystem::path path(file);
-  const std::string number = run == 1 ? "" : "-" + std::to_string(run);
-  const std::string name = path.stem().string() + number + (beside ? "-beside" : "") + path.extension().string();
-  return (path.parent_path() / name).string();
-}
-
 int run_with_page(const Options& options, const control::LawRegistry& laws, const device::DeviceRegistry& devices,
                   const std::atomic<bool>& stop) {
   return LiveRun(options, laws, devices, stop).run();

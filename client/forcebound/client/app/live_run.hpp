@@ -1,7 +1,6 @@
 #pragma once
 
 #include <atomic>
-#include <string>
 
 #include "forcebound/client/app/options.hpp"
 #include "forcebound/control/law_registry.hpp"
@@ -15,8 +14,5 @@ namespace forcebound::client {
 /// @returns the exit code, of the last run. @throws std::exception with one line if it cannot start
 int run_with_page(const Options& options, const control::LawRegistry& laws, const device::DeviceRegistry& devices,
                   const std::atomic<bool>& stop);
-
-/// The file of a run: "run.mcap", "run-2.mcap", "run-3.mcap"; beside: "run-2-beside.mcap".
-[[nodiscard]] std::string file_of_run(const std::string& file, int run, bool beside = false);
 
 }  // namespace forcebound::client

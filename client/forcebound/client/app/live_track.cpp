@@ -1,6 +1,7 @@
 #include "forcebound/client/app/live_track.hpp"
 
 #include <algorithm>
+#include <filesystem>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -8,7 +9,6 @@
 #include "forcebound/baselines/baselines.hpp"
 #include "forcebound/baselines/law_file.hpp"
 #include "forcebound/client/app/device_in_words.hpp"
-#include "forcebound/client/app/live_run.hpp"
 #include "forcebound/client/app/run_parts.hpp"
 #include "forcebound/client/page/known_scenes.hpp"
 #include "forcebound/device/load_device.hpp"
@@ -257,6 +257,14 @@ std::string words_of_change(const PageChoice& before, const PageChoice& after) {
   add("the hand's stiffness in N/m", number(before.stiffness_N_per_m), number(after.stiffness_N_per_m));
   add("recording", before.recording ? "on" : "off", after.recording ? "on" : "off");
   return words;
+}
+
+std::string file_of_run(const std::string& file, int run, bool beside) {
+  if (file.empty() || (run == 1 && !beside)) return file;
+  const std::filesystem::path path(file);
+  const std::string number = run == 1 ? "" : "-" + std::to_string(run);
+  const std::string name = path.stem().string() + number + (beside ? "-beside" : "") + path.extension().string();
+  return (path.parent_path() / name).string();
 }
 
 }  // namespace forcebound::client

@@ -83,4 +83,7 @@ class TrackMaker {
 /// "law none instead of fba-exact, scene sphere instead of wall".
 [[nodiscard]] std::string words_of_change(const PageChoice& before, const PageChoice& after);
 
+/// The file of a run: "run.mcap", "run-2.mcap", "run-3.mcap"; beside: "run-2-beside.mcap".
+[[nodiscard]] std::string file_of_run(const std::string& file, int run, bool beside = false);
+
 }  // namespace forcebound::client

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "forcebound/client/app/live_run.hpp"
+#include "forcebound/client/app/live_track.hpp"
 #include "forcebound/program/command_line.hpp"
 
 namespace forcebound::client {
