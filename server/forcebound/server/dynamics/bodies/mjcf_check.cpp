@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "forcebound/server/dynamics/bodies/mujoco.hpp"
+#include "forcebound/server/dynamics/bodies/bodies_error.hpp"
 #include "forcebound/text/lines.hpp"
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/text/printable.hpp"

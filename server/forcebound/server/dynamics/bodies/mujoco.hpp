@@ -1,10 +1,10 @@
 #pragma once
 
 #include <memory>
-#include <stdexcept>
 #include <string>
 
 #include "forcebound/child/in_child.hpp"
+#include "forcebound/server/dynamics/bodies/bodies_error.hpp"
 
 struct mjModel_;
 struct mjData_;
@@ -27,12 +27,6 @@ struct SolverOptions;
 // Any thread may call these functions, each with data of its own, and several may compile at once: in MuJoCo 2.2.2
 // compilations share only the last model's XML, behind a lock of MuJoCo's own; its error handler and locale are
 // thread-local.
-
-/// An error in a model of bodies: one line, with the file and MuJoCo's message.
-class BodiesError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
 
 struct DeleteModel {
   void operator()(mjModel_* model) const noexcept;

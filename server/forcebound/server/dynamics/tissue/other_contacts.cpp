@@ -12,10 +12,10 @@ using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 3, 
 
 }  // namespace
 
-OtherContacts::OtherContacts(const TissueModel& model)
-    : tissue_(model.tissue()),
-      radius_m_(model.options().radius_m),
-      yield_m_per_N_(1 / model.options().contact_stiffness_N_per_m),
+OtherContacts::OtherContacts(const LinearTissue& tissue, const ProbeOptions& options)
+    : tissue_(tissue),
+      radius_m_(options.radius_m),
+      yield_m_per_N_(1 / options.contact_stiffness_N_per_m),
       moved_(static_cast<std::size_t>(tissue_.surface_nodes())) {
   // C is positive semidefinite: no block of it is larger than those on the diagonal.
   for (int node = 0; node < tissue_.surface_nodes(); ++node) {

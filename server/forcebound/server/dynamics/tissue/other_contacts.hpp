@@ -6,7 +6,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "forcebound/server/dynamics/tissue/tissue_contact.hpp"
+#include "forcebound/server/dynamics/tissue/linear_tissue.hpp"
+#include "forcebound/server/dynamics/tissue/tissue_probe.hpp"
 
 namespace forcebound::server {
 
@@ -41,7 +42,8 @@ class OtherContacts {
   /// Directions of one contact, in columns.
   using Directions = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 3>;
 
-  explicit OtherContacts(const TissueModel& model);
+  /// @param tissue must outlive it
+  OtherContacts(const LinearTissue& tissue, const ProbeOptions& options);
 
   /// Memory of one instance, for a tissue with `surface_nodes` nodes on its surface.
   [[nodiscard]] static std::size_t memory_bytes(int surface_nodes) noexcept {

@@ -1,8 +1,11 @@
 #pragma once
 
-#include "forcebound/server/dynamics/tissue/tissue_contact.hpp"
+#include "forcebound/server/dynamics/tissue/linear_tissue.hpp"
+#include "forcebound/server/dynamics/tissue/tissue_probe.hpp"
 
 namespace forcebound::server {
+
+class OtherContacts;
 
 /// TissueModel::step for a pointed probe: sticks to its place of entry, and slides to the place of least energy.
 ///

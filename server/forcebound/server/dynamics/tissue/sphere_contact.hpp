@@ -1,7 +1,7 @@
 #pragma once
 
 #include "forcebound/server/dynamics/tissue/other_contacts.hpp"
-#include "forcebound/server/dynamics/tissue/tissue_contact.hpp"
+#include "forcebound/server/dynamics/tissue/tissue_probe.hpp"
 
 namespace forcebound::server {
 

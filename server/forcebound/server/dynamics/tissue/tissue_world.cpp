@@ -83,7 +83,7 @@ bool TissueWorld::describe(int seat, local_model::LocalModel& model) noexcept {
 LinearTissueWorld::LinearTissueWorld(const TissueModel& model, int seats)
     : TissueWorld(seats, model.tissue().mesh()),
       model_(model),
-      others_(seats > 1 ? std::make_unique<OtherContacts>(model) : nullptr) {}
+      others_(seats > 1 ? std::make_unique<OtherContacts>(model.tissue(), model.options()) : nullptr) {}
 
 TissueResult LinearTissueWorld::step(std::size_t seat, const scene::Point& probe_m) noexcept {
   return others_ == nullptr ? model_.step(seats()[seat].state, probe_m) : step_among(*others_, seat, probe_m);
