@@ -9,7 +9,7 @@
 #include "forcebound/control/force_times.hpp"
 #include "forcebound/control/held_torques.hpp"
 #include "forcebound/control/law.hpp"
-#include "forcebound/control/law_registry.hpp"
+#include "forcebound/control/law_description.hpp"
 #include "forcebound/control/least_energy.hpp"
 
 namespace forcebound::control {

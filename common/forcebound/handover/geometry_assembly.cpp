@@ -5,9 +5,9 @@
 #include <limits>
 #include <utility>
 
+#include "forcebound/handover/handover_error.hpp"
 #include "forcebound/handover/hash.hpp"
 #include "forcebound/handover/internal/proto_values.hpp"
-#include "forcebound/handover/scene_assembly.hpp"
 #include "forcebound/scene/geometry/bvh.hpp"
 #include "forcebound/scene/geometry/height_field.hpp"
 

@@ -5,24 +5,18 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <stdexcept>
 #include <stop_token>
 #include <string>
 #include <vector>
 
 #include "forcebound/handover/coverage.hpp"
+#include "forcebound/handover/handover_error.hpp"
 #include "forcebound/handover/limits.hpp"
 #include "forcebound/handover/packed_scene.hpp"
 #include "forcebound/scene/registry.hpp"
 #include "forcebound/scene/scene.hpp"
 
 namespace forcebound::handover {
-
-/// A scene handed over that contradicts itself or exceeds a limit. One line: what is wrong, and what is accepted.
-class HandoverError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
 
 /// A scene made of the pieces that have arrived.
 struct AssembledScene {

@@ -15,6 +15,9 @@ namespace forcebound::record::mcap {
 inline constexpr std::string_view kMagic{"\x89MCAP0\r\n", 8};
 inline constexpr std::size_t kRecordHeaderBytes = 9;
 
+/// A compressed chunk that says that it holds more is refused before memory is taken for it.
+inline constexpr std::size_t kChunkBytesMost = std::size_t{64} << 20U;
+
 enum class Opcode : std::uint8_t {
   none = 0x00,  ///< not one: a file that lost power may end in zeros
   header = 0x01,

@@ -6,7 +6,6 @@
 #include <cstdio>
 
 #include "forcebound/record/internal/mcap_fields.hpp"
-#include "forcebound/record/mcap_reader.hpp"
 
 namespace forcebound::record::mcap {
 namespace {

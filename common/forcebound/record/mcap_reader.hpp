@@ -12,9 +12,6 @@
 
 namespace forcebound::record::mcap {
 
-/// A compressed chunk that says that it holds more is refused before memory is taken for it.
-inline constexpr std::size_t kChunkBytesMost = std::size_t{64} << 20U;
-
 struct Message {
   std::uint32_t sequence = 0;
   std::uint64_t log_time = 0;

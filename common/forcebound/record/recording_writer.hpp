@@ -9,20 +9,10 @@
 #include "forcebound/record/mcap_format.hpp"
 #include "forcebound/record/run_info.hpp"
 #include "forcebound/record/scene_part.hpp"
+#include "forcebound/record/server_records.hpp"
 #include "forcebound/record/tick_record.hpp"
 
 namespace forcebound::record {
-
-/// One motion as a server received it.
-struct MotionRecord {
-  Nanoseconds receive_time{0};  ///< server's clock
-  wire::MotionSample motion;
-};
-
-/// One environment force as a server sent it, at its `server_send_time`.
-struct SentForceRecord {
-  wire::EnvironmentForce force;
-};
 
 /// A file that a recording has within.
 struct RecordedFile {

@@ -7,14 +7,11 @@
 #include <type_traits>
 #include <variant>
 
+#include "forcebound/wire/frame_size.hpp"
 #include "forcebound/wire/malformed.hpp"
 #include "forcebound/wire/messages.hpp"
 
 namespace forcebound::wire {
-
-/// Largest datagram of the protocol. A Hello always has this length: so no answer is larger than its request, and a
-/// server cannot be used to flood a third party.
-inline constexpr std::size_t kFrameBytesMax = 1200;
 
 /// Longer names (device, scene) and texts (what is simulated, why refused) are cut to this many bytes of UTF-8.
 inline constexpr std::size_t kNameBytesMax = 64;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "forcebound/device/device_registry.hpp"
+#include "forcebound/device/device_family.hpp"
 
 namespace forcebound::device {
 

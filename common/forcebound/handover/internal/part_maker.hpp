@@ -2,8 +2,8 @@
 
 #include <string>
 
+#include "forcebound/handover/handover_error.hpp"
 #include "forcebound/handover/limits.hpp"
-#include "forcebound/handover/scene_assembly.hpp"
 #include "forcebound/scene/part.hpp"
 #include "forcebound/v1/handover.pb.h"
 

@@ -7,7 +7,7 @@
 #include <memory>
 #include <string_view>
 
-#include "forcebound/page/page_server.hpp"
+#include "forcebound/page/page_settings.hpp"
 #include "forcebound/page/request_check.hpp"
 
 /// Private to page_server.cpp, which alone includes Boost.Beast: it takes long to compile.
@@ -26,7 +26,7 @@ class Viewer;
 class Owner {
  public:
   virtual ~Owner() = default;
-  [[nodiscard]] virtual const PageServer::Settings& settings() const noexcept = 0;
+  [[nodiscard]] virtual const PageSettings& settings() const noexcept = 0;
   [[nodiscard]] virtual const HostCheck& hosts() const noexcept = 0;
   [[nodiscard]] virtual std::string metrics() = 0;
   virtual void answered(bool refused) noexcept = 0;

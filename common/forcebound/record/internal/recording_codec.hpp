@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-#include "forcebound/record/recording_writer.hpp"
+#include "forcebound/record/server_records.hpp"
 #include "forcebound/record/tick_record.hpp"
 
 /// Records as Protocol Buffers messages of proto/forcebound/v1. Private to this folder.

@@ -1,6 +1,9 @@
 #pragma once
 
-#include "forcebound/scene/geometry/shape.hpp"
+#include <cstddef>
+#include <new>
+
+#include "forcebound/scene/geometry/surface_point.hpp"
 
 namespace forcebound::scene {
 

@@ -12,19 +12,13 @@
 
 #include "forcebound/config/parameter.hpp"
 #include "forcebound/scene/geometry/point.hpp"
+#include "forcebound/scene/geometry/surface_point.hpp"
 
 namespace forcebound::scene {
 
 class Bvh;
 class TriangleMesh;
 struct HeightGrid;
-
-/// Depth and normal of a point relative to a surface.
-struct SurfacePoint {
-  Point normal = Point::UnitX();  ///< unit, out of the surface where it is nearest
-  double penetration_m = 0;       ///< > 0: depth inside the solid; < 0: no contact, minus the distance outside
-  bool normal_is_old = false;     ///< `normal` is the last valid one: no direction is nearest, as at a sphere's centre
-};
 
 /// Facts of a shape, for the plan and for `--explain`.
 struct ShapeFacts {

@@ -7,7 +7,7 @@
 #include <optional>
 #include <span>
 
-#include "forcebound/wire/codec.hpp"
+#include "forcebound/wire/frame_size.hpp"
 
 /// Private to wire.
 namespace forcebound::wire {
