@@ -73,9 +73,9 @@ function(forcebound_by_mujoco)
   set_source_files_properties(${unused} PROPERTIES HEADER_FILE_ONLY ON)
 endfunction()
 
-# forcebound_may_include(FOLDER WHAT...): the headers that files below FOLDER may include, beside their own: those of a
-# library or program, or those below a folder. Folders are as includes name them. A library or program may include what it
-# links; this adds to that, and gives a folder within it a rule of its own. tests/architecture checks all files.
+# forcebound_may_include(FOLDER WHAT...): the headers that files below FOLDER may include, beside their own: those of
+# libraries or programs, or those below folders. Folders are as includes name them. A library or program may include what
+# it links; this adds to that, and gives a folder within it a rule of its own. tests/architecture checks all files.
 function(forcebound_may_include folder)
   set_property(GLOBAL APPEND PROPERTY FORCEBOUND_FOLDERS ${folder})
   set_property(GLOBAL APPEND PROPERTY FORCEBOUND_INCLUDES_OF_${folder} ${ARGN})

@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "tests/architecture/file_circles.hpp"
 #include "tests/architecture/privileges.hpp"
 #include "tests/support/page.hpp"
 #include "tests/support/source_folder.hpp"
@@ -13,6 +14,7 @@
 namespace forcebound::architecture {
 namespace {
 
+using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
@@ -162,6 +164,25 @@ TEST(Pages, ListWhatEachFolderMayInclude) {
   test::expect_on_page("tests/architecture/README.md", "privileges", privilege_table());
 }
 
+TEST(FileCircles, AreNamedWithEachOfTheirIncludes) {
+  EXPECT_THAT(file_circles({{"common/forcebound/net/a.hpp", ""},
+                            {"common/forcebound/net/a.cpp", "// first\n#include \"forcebound/net/b.hpp\"\n"},
+                            {"common/forcebound/net/internal/b.hpp", "#include \"forcebound/net/c.hpp\"\n"},
+                            {"common/forcebound/net/b.hpp", "#include \"forcebound/net/internal/c.hpp\"\n"},
+                            {"common/forcebound/net/c.cpp", "#include \"forcebound/net/a.hpp\"\n"},
+                            {"common/forcebound/net/d.cpp", "#include \"forcebound/net/a.hpp\"\n"}}),
+              ElementsAre("common/forcebound/net/a.cpp:2 includes 'forcebound/net/b.hpp', "
+                          "common/forcebound/net/b.hpp:1 includes 'forcebound/net/internal/c.hpp', "
+                          "common/forcebound/net/c.cpp:1 includes 'forcebound/net/a.hpp'"));
+}
+
+TEST(FileCircles, AHeaderAndItsSourceAreOneFile) {
+  EXPECT_THAT(file_circles({{"common/forcebound/net/a.hpp", "#include \"forcebound/net/b.hpp\"\n"},
+                            {"common/forcebound/net/a.cpp", "#include \"forcebound/net/internal/a.hpp\"\n"},
+                            {"common/forcebound/net/b.cpp", "#include \"forcebound/net/b.hpp\"\n"}}),
+              IsEmpty());
+}
+
 /// All sources, by path.
 const std::map<std::string, std::string>& sources() {
   namespace fs = std::filesystem;
@@ -186,6 +207,8 @@ TEST(SourceTree, ObeysTheIncludeRule) {
   }
   EXPECT_GT(sources().size(), 10U) << "the sources were not found under " << test::source_folder();
 }
+
+TEST(SourceTree, HasNoFilesThatIncludeEachOtherInACircle) { EXPECT_THAT(file_circles(sources()), IsEmpty()); }
 
 }  // namespace
 }  // namespace forcebound::architecture
