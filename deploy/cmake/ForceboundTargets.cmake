@@ -61,12 +61,12 @@ macro(forcebound_find_mujoco)
   endif()
 endmacro()
 
-# forcebound_by_mujoco(WITH source... WITHOUT source...): which sources of the current folder are for builds with MuJoCo
+# forcebound_by(OPTION WITH source... WITHOUT source...): which sources of the current folder are for builds with the option
 # alone, and which replace them without.
-function(forcebound_by_mujoco)
-  cmake_parse_arguments(PARSE_ARGV 0 arg "" "" "WITH;WITHOUT")
+function(forcebound_by option)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "WITH;WITHOUT")
   set(unused ${arg_WITH})
-  if(FORCEBOUND_MUJOCO)
+  if(${option})
     set(unused ${arg_WITHOUT})
   endif()
   list(TRANSFORM unused PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)

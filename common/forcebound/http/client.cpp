@@ -108,6 +108,8 @@ void expect_host(asio::ssl::stream<tcp::socket&>& stream, const Url& url) {
 
 }  // namespace
 
+std::string_view refusal() noexcept { return {}; }
+
 Response ask(const Url& url, const Request& request, std::chrono::nanoseconds limit, const Certificates& certificates) {
   Steps steps(url, limit);
   tcp::resolver resolver(steps.io());

@@ -40,13 +40,16 @@ struct Response {
   std::string body{};
 };
 
+/// Why `ask` refuses every request: this program was built with FORCEBOUND_FLEET=OFF. Empty: it was built to ask.
+[[nodiscard]] std::string_view refusal() noexcept;
+
 /// Sends one request on a connection of its own and waits for the whole answer, whatever its status.
 ///
 /// Blocks, and allocates: never to be called where motions are answered.
 ///
 /// @param limit for all of it; only looking up a host's name may take longer
 /// @throws std::runtime_error naming the URL and the reason: no connection, no answer in time, an answer that is not
-/// HTTP or larger than 1 MiB, a certificate that is not accepted
+/// HTTP or larger than 1 MiB, a certificate that is not accepted, the `refusal`
 [[nodiscard]] Response ask(const Url& url, const Request& request, std::chrono::nanoseconds limit,
                            const Certificates& certificates = {});
 

@@ -39,6 +39,12 @@ const Json& port_in(const Json& answer) {
   return page::json_member(*chosen, "port");
 }
 
+/// @throws std::invalid_argument for what is no URL of an allocator, or if none can be asked
+void expect_allocator(const std::string& url) {
+  (void)http::parse_url(url);
+  if (!http::refusal().empty()) throw std::invalid_argument(std::string(http::refusal()));
+}
+
 /// What the allocator says in words, or all that it says.
 std::string words_in(const std::string& body) {
   const Json answer = Json::parse(body, nullptr, false);
@@ -49,10 +55,9 @@ std::string words_in(const std::string& body) {
 }  // namespace
 
 void add_allocation_options(CLI::App& app, Allocation& allocation) {
-  app.add_option("--allocate", allocation.url,
-                 "ask this allocator of Agones for a server; where it has none, --server is used, if it is given")
-      ->check(program::accepted_by([](const std::string& text) { (void)http::parse_url(text); }))
-      ->type_name("URL");
+  std::string about = "ask this allocator of Agones for a server; where it has none, --server is used, if it is given";
+  if (!http::refusal().empty()) about = "ask an allocator of Agones; not here: " + std::string(http::refusal());
+  app.add_option("--allocate", allocation.url, about)->check(program::accepted_by(expect_allocator))->type_name("URL");
   app.add_option("--allocate-fleet", allocation.fleet, "with --allocate: of this fleet")
       ->needs("--allocate")
       ->check(program::not_empty())

@@ -58,6 +58,9 @@ Sent words_of(FleetCall call, std::size_t sessions, std::size_t places) {
 std::optional<std::uint16_t> fleet_port() {
   const char* const text = std::getenv(kPort);
   if (text == nullptr || *text == 0) return std::nullopt;
+  if (!http::refusal().empty()) {
+    throw std::runtime_error(std::string(kPort) + " in the environment: " + std::string(http::refusal()));
+  }
   const auto port = text::whole_number<std::uint16_t>(text);
   if (port && *port > 0) return port;
   throw std::runtime_error(std::string(kPort) + " in the environment must be a port from 1 to 65535, got '" + text +

@@ -17,7 +17,7 @@ namespace forcebound::server {
 
 /// The port of the sidecar of Agones beside this process; none: it is not of a fleet. Agones names it in the
 /// environment (AGONES_SDK_HTTP_PORT).
-/// @throws std::runtime_error if what is there is no port
+/// @throws std::runtime_error if what is there is no port, or this program was built without fleets
 [[nodiscard]] std::optional<std::uint16_t> fleet_port();
 
 /// Tells the fleet's sidecar how this server is, by its REST interface, on a thread of its own. A sidecar that does not

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "forcebound/http/client.hpp"
 #include "forcebound/program/command_line.hpp"
 #include "forcebound/program/log.hpp"
 #include "forcebound/program/option_file.hpp"
@@ -22,6 +23,12 @@ constexpr const char* kDescription =
     "Each client (forcebound-client) sends its device's position by UDP and receives the force that the scene exerts "
     "there. However late it arrives, the client keeps the device passive; the server may be far away. Every client has "
     "a scene of its own, unless the scene says that it is shared.\n";
+
+std::string fleet_help() {
+  if (!http::refusal().empty()) return "It serves in no fleet of Agones: " + std::string(http::refusal()) + ".\n";
+  return "In a fleet of Agones, which sets AGONES_SDK_HTTP_PORT, it tells the fleet when it is ready, in use, healthy "
+         "and at its end.\n";
+}
 
 std::string footer() {
   return "Scenes: " + SceneLibrary::shipped().names() +
@@ -52,10 +59,8 @@ std::string footer() {
          "Ends on Ctrl-C or SIGTERM: ends its clients' sessions and prints its totals. SIGHUP reads the file of "
          "--clients again: who is not named any more is heard no more, and what else changed holds for who comes next. "
          "As a service of systemd it "
-         "takes a socket from there, and tells it when it is ready, that it runs, and when it ends. In a fleet of "
-         "Agones, which sets "
-         "AGONES_SDK_HTTP_PORT, it tells the fleet when it is ready, in use, healthy and at its end.\n" +
-         std::string(program::kExitCodes);
+         "takes a socket from there, and tells it when it is ready, that it runs, and when it ends. " +
+         fleet_help() + std::string(program::kExitCodes);
 }
 
 /// As a user writes it.
