@@ -42,4 +42,26 @@ namespace forcebound::control {
   return {std::cos(0.5 * angle), part.x(), part.y(), part.z()};
 }
 
+/// The shorter turn that leads from one direction to another, neither of length 0; of half a turn one of many.
+///
+///     q = (1 + a.b, a x b) / sqrt(2 (1 + a.b)), a and b of length 1
+///
+/// Eigen's FromTwoVectors, but for half a turn without its singular value decomposition, which takes longer to compile
+/// than all that most sources do. Real time.
+[[nodiscard]] inline Eigen::Quaterniond turn_between(const Eigen::Vector3d& from, const Eigen::Vector3d& to) noexcept {
+  const Eigen::Vector3d a = from.normalized();
+  const Eigen::Vector3d b = to.normalized();
+  const double cosine = a.dot(b);
+  // Below this a x b is as short as its rounding.
+  constexpr double kOpposite = -1 + 1e-12;
+  if (cosine < kOpposite) {
+    const Eigen::Vector3d other = std::abs(a.y()) < 0.5 ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitX();
+    const Eigen::Vector3d axis = a.cross(other).normalized();
+    return {0, axis.x(), axis.y(), axis.z()};
+  }
+  const double twice = std::sqrt((1 + cosine) * 2);
+  const Eigen::Vector3d axis = a.cross(b) * (1 / twice);
+  return {twice * 0.5, axis.x(), axis.y(), axis.z()};
+}
+
 }  // namespace forcebound::control

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "forcebound/control/rotation.hpp"
 #include "forcebound/control/translation.hpp"
 #include "foxglove/geometry.pb.h"
 #include "foxglove/scene.pb.h"
@@ -147,7 +148,7 @@ void add_arrow(const Eigen::Vector3d& tip_m, const ShownForce& shown, foxglove::
   const double length_m = kArrow_m_per_N * norm_N;
   const double head_m = std::min(kHead_m, 0.5 * length_m);
   foxglove::ArrowPrimitive& arrow = *entity.add_arrows();
-  set_pose(tip_m, Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitX(), force_N), *arrow.mutable_pose());
+  set_pose(tip_m, control::turn_between(Eigen::Vector3d::UnitX(), force_N), *arrow.mutable_pose());
   arrow.set_shaft_length(length_m - head_m);
   arrow.set_shaft_diameter(kShaftDiameter_m);
   arrow.set_head_length(head_m);

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include "forcebound/control/rotation.hpp"
 #include "forcebound/page/json_member.hpp"
 
 namespace forcebound::view {
@@ -42,7 +43,7 @@ std::optional<Eigen::Vector3d> point_at(const Json& shape, const char* key, doub
 }
 
 Eigen::Quaterniond turn_to(const Eigen::Vector3d& axis) {
-  return Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), axis);
+  return control::turn_between(Eigen::Vector3d::UnitZ(), axis);
 }
 
 bool take_plane(const Json& shape, ScenePart& part) {

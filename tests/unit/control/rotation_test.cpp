@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
+#include <cmath>
 #include <numbers>
+#include <vector>
 
 namespace forcebound::control {
 namespace {
@@ -39,6 +41,27 @@ TEST(RotationVector, OfNextToNothingIsExact) {
 TEST(RotationVector, OfHalfATurnHasItsLength) {
   const Eigen::Quaterniond half = turn_by({0, 0, std::numbers::pi});
   EXPECT_NEAR(rotation_vector(Eigen::Quaterniond::Identity(), half).norm(), std::numbers::pi, 1e-12);
+}
+
+TEST(TurnBetween, LeadsFromOneDirectionToTheOtherByTheShorterWay) {
+  rc::check([] {
+    const Eigen::Vector3d from = any_vector(3);
+    const Eigen::Vector3d to = any_vector(1.7);
+    RC_PRE(from.norm() > 1e-3 && to.norm() > 1e-3);
+    const Eigen::Quaterniond turn = turn_between(from, to);
+    RC_ASSERT(std::abs(turn.norm() - 1) < 1e-12);
+    RC_ASSERT(turn.w() >= 0);
+    RC_ASSERT((turn * from.normalized() - to.normalized()).norm() < 1e-6);
+  });
+}
+
+TEST(TurnBetween, OppositeDirectionsIsHalfATurn) {
+  const std::vector<Eigen::Vector3d> directions{{0, 0, 2}, {3, 0, 0}, {0, -1, 0}, {1, 1, 1}, {0.2, -0.9, 0.1}};
+  for (const Eigen::Vector3d& from : directions) {
+    const Eigen::Quaterniond turn = turn_between(from, -0.5 * from);
+    EXPECT_NEAR(turn.norm(), 1, 1e-15);
+    EXPECT_LT((turn * from + from).norm(), 1e-14);
+  }
 }
 
 }  // namespace

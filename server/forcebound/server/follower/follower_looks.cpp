@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "forcebound/control/rotation.hpp"
 #include "forcebound/server/robot/task_world.hpp"
 #include "forcebound/view/shown_scene.hpp"
 
@@ -68,7 +69,7 @@ scene::VisiblePart part_of(const WorldObject& object) {
       return {.name = object.name,
               .kind = Kind::half_space,
               .place_m = object.position,
-              .turn = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), object.normal)};
+              .turn = control::turn_between(Eigen::Vector3d::UnitZ(), object.normal)};
     case WorldObject::Shape::hole:
       return plate_with(object);
     case WorldObject::Shape::box:
