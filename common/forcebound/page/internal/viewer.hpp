@@ -112,7 +112,8 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
   ViewerId id_;
   Owner& owner_;
   const Limits& limits_;
-  websocket::stream<beast::tcp_stream> stream_;
+  // False: without compression, which we do not offer, and which takes seconds to compile.
+  websocket::stream<beast::tcp_stream, false> stream_;
   beast::flat_buffer received_;
   std::size_t allowance_;
   bool open_ = false;
