@@ -3,6 +3,8 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
+#include "forcebound/local_model/eigenvalues.hpp"
+
 namespace forcebound::local_model {
 namespace {
 
@@ -42,10 +44,6 @@ bool is_between_zero_and(const Eigen::Matrix3d& matrix, double most) noexcept {
   return solver.eigenvalues().minCoeff() >= -kRounding && solver.eigenvalues().maxCoeff() * size <= most;
 }
 
-double largest_of(const Eigen::Matrix3d& per_kg) noexcept {
-  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(per_kg, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
-}
-
 bool is_stable(const Mass& mass, double most_per_kg) noexcept {
   return kStep_s * (kStep_s * mass.stiffness_N_per_m + 2 * mass.damping_N_s_per_m) * most_per_kg < 4;
 }
@@ -71,7 +69,7 @@ bool is_right(const Mass& mass) noexcept {
                        is_from_zero_to(mass.damping_N_s_per_m, kDamped_N_s_per_m) &&
                        is_between_zero_and(mass.free_per_kg, 1 / kLightest_kg);
   if (!placed || !coupled) return false;
-  const double most_per_kg = largest_of(mass.free_per_kg);
+  const double most_per_kg = eigenvalues(mass.free_per_kg).maxCoeff();
   const bool pushes = mass.push.allFinite() && (mass.push.isZero(0) || is_unit(mass.push));
   return is_stable(mass, most_per_kg) && pushes &&
          is_between_zero_and(mass.mobility_per_kg, (1 + 100 * kRounding) * most_per_kg) && mass.travel_m >= 0 &&
@@ -105,7 +103,7 @@ bool is_sound(const LocalModel& model) noexcept {
   return (!model.has_mass || is_right(model.mass)) && (!model.has_field || is_right(model.field));
 }
 
-bool is_stable(const Mass& mass) noexcept { return is_stable(mass, largest_of(mass.free_per_kg)); }
+bool is_stable(const Mass& mass) noexcept { return is_stable(mass, eigenvalues(mass.free_per_kg).maxCoeff()); }
 
 bool add(const LocalModel& part, LocalModel& to) noexcept {
   const bool fits = part.surface_count <= LocalModel::kSurfacesMax - to.surface_count &&

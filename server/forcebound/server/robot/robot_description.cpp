@@ -1,12 +1,13 @@
 #include "forcebound/server/robot/robot_description.hpp"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <sstream>
 #include <stdexcept>
 
+#include "forcebound/local_model/eigenvalues.hpp"
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/text/printable.hpp"
 
@@ -130,11 +131,11 @@ std::string refusal_of(const RobotDescription& robot) {
     if (!(limits.lowest[i] < limits.highest[i])) return joint + ": its lowest angle must be below its highest";
     const double rest = robot.chain.rest[i];
     if (rest < limits.lowest[i] || rest > limits.highest[i]) return joint + ": its rest must be within its limits";
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(robot.chain.links[static_cast<std::size_t>(i)].inertia);
-    if (axes.eigenvalues()[0] < 0) return joint + ": its link's inertia must be positive semidefinite";
+    const Eigen::Vector3d inertias = local_model::eigenvalues(robot.chain.links[static_cast<std::size_t>(i)].inertia);
+    if (inertias[0] < 0) return joint + ": its link's inertia must be positive semidefinite";
   }
   const SerialChain chain(robot.chain);
-  const Eigen::LLT<Eigen::MatrixXd> mass(chain.mass_matrix(robot.chain.rest));
+  const Eigen::LLT<Matrix> mass(chain.mass_matrix(robot.chain.rest));
   return mass.info() == Eigen::Success ? "" : "its masses must make moving each joint cost energy";
 }
 

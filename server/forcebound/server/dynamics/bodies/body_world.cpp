@@ -2,10 +2,10 @@
 
 #include <mujoco/mujoco.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "forcebound/local_model/eigenvalues.hpp"
 #include "forcebound/local_model/no_longer_than.hpp"
 #include "forcebound/server/dynamics/bodies/description.hpp"
 #include "forcebound/server/dynamics/bodies/visible_geometries.hpp"
@@ -46,12 +46,6 @@ scene::Point velocity_of(const mjModel& model, const mjData& data, int body) noe
   mjtNum velocity[6];
   mj_objectVelocity(&model, &data, mjOBJ_BODY, body, velocity, 0);
   return {velocity[3], velocity[4], velocity[5]};
-}
-
-double largest_of(const Eigen::Matrix3d& mobility_per_kg) noexcept {
-  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(mobility_per_kg, Eigen::EigenvaluesOnly)
-      .eigenvalues()
-      .maxCoeff();
 }
 
 /// What does not give way is a limit, not a heavier mass: the body leaves it as it would without, by its own mass and
@@ -376,7 +370,7 @@ double BodyWorld::room_m(int body, const scene::Point& direction, const scene::P
 void BodyWorld::look_ahead(int body, local_model::Mass& mass) const noexcept {
   // There is no contact to leave.
   mass.free_per_kg = mass.mobility_per_kg;
-  const double held_per_kg = kHeld * largest_of(mass.free_per_kg);
+  const double held_per_kg = kHeld * local_model::eigenvalues(mass.free_per_kg).maxCoeff();
   const auto look = [&](const scene::Point& direction) {
     if (!(direction.dot(mass.free_per_kg * direction) > held_per_kg)) return;
     const double room = room_m(body, direction, mass.velocity_m_per_s);
