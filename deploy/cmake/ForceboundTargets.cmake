@@ -22,6 +22,14 @@ function(forcebound_compile_together target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ${FORCEBOUND_UNITY} UNITY_BUILD_BATCH_SIZE 20)
 endfunction()
 
+# forcebound_compile_quickly(TARGET...): -O1 in optimised builds too, a fifth less to compile: for what reads files and
+# command lines, serves pages and writes reports, never for what runs in a tick or answers a motion.
+function(forcebound_compile_quickly)
+  foreach(target IN LISTS ARGN)
+    target_compile_options(${target} PRIVATE $<$<CONFIG:Release,RelWithDebInfo>:-O1>)
+  endforeach()
+endfunction()
+
 option(FORCEBOUND_WARNINGS_ARE_ERRORS "Stop at a warning in Forcebound's own code, with the compiler it is developed with"
        OFF)
 # Another one, or another version, warns of other things: these are shown, and stop nobody's build.
