@@ -197,7 +197,7 @@ TEST_F(NetworkHardCase, Case19DatagramsAsLongAsAndLongerThanAnyNetworkCarries) {
   }
   loop.run(100ms);
   EXPECT_EQ(malformed(), lengths.size());
-  EXPECT_EQ(loop.totals().malformed[static_cast<std::size_t>(wire::Malformed::oversize)], 5U);
+  EXPECT_EQ(loop.totals().malformed[wire::Malformed::oversize], 5U);
   const auto& counts = loop.server()->counters().malformed;
   EXPECT_EQ(std::accumulate(counts.begin(), counts.end(), std::uint64_t{0}), lengths.size());
   expect_unbroken_and_back();
@@ -222,7 +222,7 @@ TEST_F(NetworkHardCase, Case19AGenuineMessageOfFullLengthIsReadAndOneByteMoreIsN
   refusal.resize(wire::kFrameBytesMax + 1);
   send_to_client(refusal);
   loop.run(100ms);
-  constexpr auto kOversize = static_cast<std::size_t>(wire::Malformed::oversize);
+  constexpr auto kOversize = wire::Malformed::oversize;
   EXPECT_EQ(loop.server()->sessions(), 2U);
   EXPECT_EQ(loop.server()->counters().malformed[kOversize], 1U);
   EXPECT_EQ(loop.totals().foreign_session, before.foreign_session + 1);

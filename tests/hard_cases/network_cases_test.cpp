@@ -45,7 +45,9 @@ TEST_F(NetworkHardCase, Case13TenSecondsOldDatagramsAreNotTakenForNew) {
   loop.run(100ms);
   const auto after = loop.totals();
   // A copy, or too old for its motion to be known.
-  EXPECT_EQ(after.duplicated + after.malformed[4] - before.duplicated - before.malformed[4], old.size());
+  using enum wire::Malformed;
+  EXPECT_EQ(after.duplicated + after.malformed[unreadable] - before.duplicated - before.malformed[unreadable],
+            old.size());
   expect_unbroken_and_back();
 }
 

@@ -272,7 +272,7 @@ TEST_F(LyingServer, HardCase16FalseCountsAreIgnored) {
   tick();
   const auto totals = session_.totals();
   EXPECT_EQ(totals.received, 0U);
-  EXPECT_EQ(totals.malformed[static_cast<std::size_t>(wire::Malformed::unreadable)], kTicks);
+  EXPECT_EQ(totals.malformed[wire::Malformed::unreadable], kTicks);
   EXPECT_EQ(totals.lost_down, 0U);
   EXPECT_EQ(totals.lost_up, totals.sent);
 }

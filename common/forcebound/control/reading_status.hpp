@@ -3,7 +3,10 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
 #include <string_view>
+
+#include "forcebound/control/enum_array.hpp"
 
 namespace forcebound::control {
 
@@ -45,35 +48,18 @@ inline constexpr std::array kReadingStatuses{
                      "its reading has no orientation, which a device that shows torques must tell",
                      "reading without the orientation: no force", "readings without the orientation: no force"},
 };
-static_assert([] {
-  for (std::size_t i = 0; i < kReadingStatuses.size(); ++i) {
-    if (static_cast<std::size_t>(kReadingStatuses[i].status) != i) return false;
-  }
-  return true;
-}());
+static_assert(is_in_order(kReadingStatuses, &ReadingStatusRow::status));
 
 [[nodiscard]] constexpr std::string_view why(ReadingStatus status) noexcept {
   return kReadingStatuses[static_cast<std::size_t>(status)].why;
 }
 
 /// How many readings there were of each status.
-class ReadingCounts {
- public:
-  [[nodiscard]] constexpr std::uint64_t& operator[](ReadingStatus status) noexcept {
-    return counts_[static_cast<std::size_t>(status)];
-  }
-  [[nodiscard]] constexpr std::uint64_t operator[](ReadingStatus status) const noexcept {
-    return counts_[static_cast<std::size_t>(status)];
-  }
-  /// Of all but `ok`.
-  [[nodiscard]] constexpr std::uint64_t refused() const noexcept {
-    std::uint64_t sum = 0;
-    for (std::size_t i = 1; i < counts_.size(); ++i) sum += counts_[i];
-    return sum;
-  }
+using ReadingCounts = EnumArray<ReadingStatus, std::uint64_t, kReadingStatuses.size()>;
 
- private:
-  std::array<std::uint64_t, kReadingStatuses.size()> counts_{};
-};
+/// Those of each status but `ok`.
+[[nodiscard]] constexpr std::uint64_t refused(const ReadingCounts& counts) noexcept {
+  return std::accumulate(counts.begin(), counts.end(), std::uint64_t{0}) - counts[ReadingStatus::ok];
+}
 
 }  // namespace forcebound::control

@@ -53,7 +53,7 @@ void each_total(Totals& totals, Visit&& visit) {
   visit("duplicated", totals.duplicated);
   visit("reordered", totals.reordered);
   for (const wire::MalformedRow& row : wire::kMalformed) {
-    visit(std::string("malformed_") + row.name, totals.malformed[static_cast<std::size_t>(row.reason)]);
+    visit(std::string("malformed_") + row.name, totals.malformed[row.reason]);
   }
   each_fault(totals, [&](const char* name, auto& count, const char*, const char*) { visit(name, count); });
   for (const control::ReadingStatusRow& row : control::kReadingStatuses) {
@@ -193,8 +193,7 @@ std::string words_of(const MotionFates& fates) {
 std::vector<Fault> faults_of(const RunTotals& t) {
   std::vector<Fault> faults;
   for (const wire::MalformedRow& row : wire::kMalformed) {
-    const std::uint64_t count = t.malformed[static_cast<std::size_t>(row.reason)];
-    faults.push_back({std::string("malformed_") + row.name, count, row.one, row.many});
+    faults.push_back({std::string("malformed_") + row.name, t.malformed[row.reason], row.one, row.many});
   }
   each_fault(t, [&](const char* name, std::uint64_t count, const char* one, const char* many) {
     faults.push_back({name, count, one, many});

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <limits>
 #include <map>
@@ -66,19 +65,19 @@ struct IdleTimer {
 
 /// Known when a run ends. Counts of datagrams are those of the environment forces and motions, not of handshakes.
 struct RunTotals : FaultCounts {
-  std::uint64_t sent = 0;                                          ///< motions
-  std::uint64_t received = 0;                                      ///< distinct forces
-  std::uint64_t lost_up = 0;                                       ///< motions that the server did not see
-  std::uint64_t lost_down = 0;                                     ///< forces sent that did not arrive
-  std::uint64_t in_flight = 0;                                     ///< of `lost_up`: may still be on their way
-  std::uint64_t unanswered = 0;                                    ///< motions that the server received, not answered
-  std::uint64_t duplicated = 0;                                    ///< additional copies of motions or forces
-  std::uint64_t reordered = 0;                                     ///< motions or forces that arrived after a newer one
-  std::array<std::uint64_t, wire::kMalformedReasons> malformed{};  ///< datagrams dropped, by wire::Malformed
-  control::ReadingCounts readings{};                               ///< of each status that is refused: no force
-  Blackout longest_blackout;                                       ///< without any new force
-  std::uint64_t scene_pieces = 0;                                  ///< received, of scenes that run at the client
-  std::uint64_t scene_piece_bytes = 0;                             ///< of them
+  std::uint64_t sent = 0;        ///< motions
+  std::uint64_t received = 0;    ///< distinct forces
+  std::uint64_t lost_up = 0;     ///< motions that the server did not see
+  std::uint64_t lost_down = 0;   ///< forces sent that did not arrive
+  std::uint64_t in_flight = 0;   ///< of `lost_up`: may still be on their way
+  std::uint64_t unanswered = 0;  ///< motions that the server received, not answered
+  std::uint64_t duplicated = 0;  ///< additional copies of motions or forces
+  std::uint64_t reordered = 0;   ///< motions or forces that arrived after a newer one
+  wire::MalformedCounts malformed{};
+  control::ReadingCounts readings{};    ///< of each status that is refused: no force
+  Blackout longest_blackout;            ///< without any new force
+  std::uint64_t scene_pieces = 0;       ///< received, of scenes that run at the client
+  std::uint64_t scene_piece_bytes = 0;  ///< of them
   std::uint64_t scenes_from_cache = 0;
   std::optional<Nanoseconds> server_ahead{};      ///< the server's clock less the client's, if that is known
   std::optional<Nanoseconds> server_ahead_off{};  ///< and by how much it may be off

@@ -106,7 +106,7 @@ void Summary::note_follower(const ForceRecord& force) noexcept {
   if (follower_ != none) {
     const Nanoseconds since = std::max(Nanoseconds{0}, force.receive_time - arrival_);
     const Nanoseconds known = std::min(since, kKnown);
-    follower_times_[static_cast<std::size_t>(follower_)] += known;
+    follower_times_[follower_] += known;
     follower_unknown_ += since - known;
   }
   const control::FollowerState state = force.force.follower;

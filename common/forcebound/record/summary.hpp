@@ -1,9 +1,9 @@
 #pragma once
 
-#include <array>
 #include <optional>
 #include <string>
 
+#include "forcebound/control/enum_array.hpp"
 #include "forcebound/control/follower_state.hpp"
 #include "forcebound/record/displayed_stiffness.hpp"
 #include "forcebound/record/histogram.hpp"
@@ -135,7 +135,7 @@ class Summary final : public TickSink {
   control::FollowerState follower_ = control::FollowerState::none;
   bool has_follower_ = false;
   std::uint64_t follower_changes_ = 0;
-  std::array<Nanoseconds, control::kFollowerStates> follower_times_{};
+  control::EnumArray<control::FollowerState, Nanoseconds, control::kFollowerStates> follower_times_{};
   Nanoseconds follower_unknown_{0};
   std::uint64_t fading_ticks_ = 0;
   std::uint64_t dropped_ticks_ = 0;

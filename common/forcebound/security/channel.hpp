@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 
+#include "forcebound/control/enum_array.hpp"
 #include "forcebound/security/locked.hpp"
 #include "forcebound/security/noise.hpp"
 #include "forcebound/time/clock.hpp"
@@ -52,7 +53,7 @@ enum class Opening : std::uint8_t {
   replayed,       ///< opened before, or too old to tell
   not_authentic,  ///< forged or damaged, or sealed by another key
 };
-inline constexpr std::size_t kOpenings = 8;
+using OpeningCounts = control::EnumArray<Opening, std::uint64_t, 8>;
 
 struct Opened {
   Opening result = Opening::malformed;

@@ -1,8 +1,9 @@
 #pragma once
 
 #include <array>
-#include <cstddef>
 #include <cstdint>
+
+#include "forcebound/control/enum_array.hpp"
 
 namespace forcebound::wire {
 
@@ -41,12 +42,7 @@ inline constexpr std::array kMalformed{
                  "datagrams with numbers that are not finite"},
 };
 
-inline constexpr std::size_t kMalformedReasons = kMalformed.size();
-static_assert([] {
-  for (std::size_t i = 0; i < kMalformedReasons; ++i) {
-    if (static_cast<std::size_t>(kMalformed[i].reason) != i) return false;
-  }
-  return true;
-}());
+static_assert(control::is_in_order(kMalformed, &MalformedRow::reason));
+using MalformedCounts = control::EnumArray<Malformed, std::uint64_t, kMalformed.size()>;
 
 }  // namespace forcebound::wire

@@ -48,7 +48,7 @@ inline RunTotals sample_totals() {
   totals.unanswered = 30;
   totals.duplicated = 3;
   totals.reordered = 27;
-  totals.malformed[3] = 2;
+  totals.malformed[wire::Malformed::corrupt] = 2;
   totals.longest_blackout = {.duration = std::chrono::milliseconds{399},
                              .over = true,
                              .counted = true,

@@ -37,12 +37,12 @@ std::optional<net::Received> SecureLink::receive(std::span<std::byte> buffer) no
     if (!received) return std::nullopt;
     const auto datagram = std::span(received_).first(std::min(received->bytes, received_.size()));
     if (received->from != server_) continue;
-    const std::uint64_t forged = counted(security::Opening::not_authentic);
+    const std::uint64_t forged = counters_.by_opening[security::Opening::not_authentic];
     if (const auto bytes = open(datagram, buffer)) {
       received->bytes = *bytes;
       return received;
     }
-    if (counted(security::Opening::not_authentic) > forged) cost += kForgedCost;
+    if (counters_.by_opening[security::Opening::not_authentic] > forged) cost += kForgedCost;
   }
   return std::nullopt;
 }
@@ -60,7 +60,7 @@ std::optional<std::size_t> SecureLink::open(std::span<const std::byte> datagram,
   const bool is_newest = security::session_of_record(datagram) == newest().numbers().own;
   security::Channel& channel = is_newest ? newest() : channels_[1 - newest_];
   const security::Opened opened = channel.open(datagram, buffer, now);
-  ++counted(opened.result);
+  ++counters_.by_opening[opened.result];
   if (opened.result != security::Opening::opened) return std::nullopt;
   if (is_newest) {
     any_opened_ = true;

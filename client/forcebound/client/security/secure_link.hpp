@@ -57,11 +57,11 @@ class SecureLink final : public net::DatagramLink {
   void exchange() noexcept;
 
   struct Counters {
-    std::uint64_t sessions = 0;                                   ///< first handshakes that gave keys
-    std::uint64_t rekeys = 0;                                     ///< later ones
-    std::uint64_t in_clear = 0;                                   ///< datagrams that are not sealed, nor of a handshake
-    std::uint64_t handshakes_dropped = 0;                         ///< datagrams of handshakes that nobody waits for
-    std::array<std::uint64_t, security::kOpenings> by_opening{};  ///< sealed ones
+    std::uint64_t sessions = 0;            ///< first handshakes that gave keys
+    std::uint64_t rekeys = 0;              ///< later ones
+    std::uint64_t in_clear = 0;            ///< datagrams that are not sealed, nor of a handshake
+    std::uint64_t handshakes_dropped = 0;  ///< datagrams of handshakes that nobody waits for
+    security::OpeningCounts by_opening{};
   };
   [[nodiscard]] const Counters& counters() const noexcept { return counters_; }
 
@@ -75,9 +75,6 @@ class SecureLink final : public net::DatagramLink {
   void take_keys(const Handshaker::Made& made, Nanoseconds now) noexcept;
   [[nodiscard]] Handshaker::Wanted wanted(Nanoseconds now) const noexcept;
   [[nodiscard]] bool is_unanswered(Nanoseconds now) const noexcept;
-  [[nodiscard]] std::uint64_t& counted(security::Opening result) noexcept {
-    return counters_.by_opening[static_cast<std::size_t>(result)];
-  }
   [[nodiscard]] security::Channel& newest() noexcept { return channels_[newest_]; }
   [[nodiscard]] const security::Channel& newest() const noexcept { return channels_[newest_]; }
 

@@ -128,7 +128,7 @@ double HandSafety::fade(const Vector& position) noexcept {
 }
 
 void HandSafety::begin(Trip which) noexcept {
-  ++trips_[static_cast<std::size_t>(which)];
+  ++trips_[which];
   newest_ = which;
 }
 

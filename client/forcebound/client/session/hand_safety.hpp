@@ -1,12 +1,11 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <array>
-#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <optional>
 
+#include "forcebound/control/enum_array.hpp"
 #include "forcebound/control/handle.hpp"
 #include "forcebound/control/vector.hpp"
 #include "forcebound/device/safety.hpp"
@@ -39,7 +38,6 @@ using control::Vector;
 class HandSafety {
  public:
   enum class Trip : std::uint8_t { speed, turn, workspace, heat, dead_man, frozen };
-  static constexpr std::size_t kTrips = 6;
 
   /// @param force_N_max the device's largest, as the torque
   explicit HandSafety(const device::Safety& limits, double force_N_max = std::numeric_limits<double>::infinity(),
@@ -69,7 +67,7 @@ class HandSafety {
   [[nodiscard]] std::optional<Trip> take_trip() noexcept;
 
   /// How often each began to act.
-  [[nodiscard]] std::uint64_t trips(Trip which) const noexcept { return trips_[static_cast<std::size_t>(which)]; }
+  [[nodiscard]] std::uint64_t trips(Trip which) const noexcept { return trips_[which]; }
 
   [[nodiscard]] const device::Safety& limits() const noexcept { return limits_; }
 
@@ -109,7 +107,7 @@ class HandSafety {
   Load force_load_{};
   Load torque_load_{};
   std::optional<Trip> newest_{};
-  std::array<std::uint64_t, kTrips> trips_{};
+  control::EnumArray<Trip, std::uint64_t, 6> trips_{};
   double force_N_max_;
   double torque_N_m_max_;
   double missing_s_ = 0;  ///< without a usable reading

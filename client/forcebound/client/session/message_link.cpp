@@ -38,7 +38,7 @@ std::optional<MessageLink::Arrival> MessageLink::receive(const Connection& conne
     ++in_tick.decoded;
     decoded_ = codec_.decode(datagram, *heading);
     if (const auto* message = std::get_if<wire::Message>(&decoded_)) return Arrival{*message, arrival};
-    count(std::get<wire::Malformed>(decoded_));
+    ++counts_.malformed[std::get<wire::Malformed>(decoded_)];
   }
   return std::nullopt;
 }
@@ -47,12 +47,12 @@ std::optional<wire::Heading> MessageLink::heading_of(std::span<const std::byte> 
                                                      const Connection& connection) noexcept {
   const auto read = wire::heading_of(datagram);
   if (const auto* reason = std::get_if<wire::Malformed>(&read)) {
-    count(*reason);
+    ++counts_.malformed[*reason];
     return std::nullopt;
   }
   const auto& heading = std::get<wire::Heading>(read);
   if (heading.is<wire::Hello>() || heading.is<wire::MotionSample>()) {
-    count(wire::Malformed::unreadable);
+    ++counts_.malformed[wire::Malformed::unreadable];
     return std::nullopt;
   }
   if (heading.kind < std::variant_size_v<wire::Message> && !connection.is_for_us(heading)) {

@@ -47,7 +47,7 @@ class MessageLink {
 
   struct Counts {
     std::uint64_t foreign = 0;  ///< of another session or sender
-    std::array<std::uint64_t, wire::kMalformedReasons> malformed{};
+    wire::MalformedCounts malformed{};
     std::uint64_t send_failures = 0;
   };
 
@@ -60,7 +60,6 @@ class MessageLink {
   /// None: the datagram is dropped, and counted.
   [[nodiscard]] std::optional<wire::Heading> heading_of(std::span<const std::byte> datagram,
                                                         const Connection& connection) noexcept;
-  void count(wire::Malformed reason) noexcept { ++counts_.malformed[static_cast<std::size_t>(reason)]; }
 
   net::DatagramLink& datagrams_;
   const time::Clock& clock_;

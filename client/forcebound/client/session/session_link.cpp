@@ -188,7 +188,7 @@ bool SessionLink::close(Nanoseconds now) noexcept {
 void SessionLink::add_to(record::RunTotals& totals, Nanoseconds now) const {
   const ForceStream::Counts network = forces_.counts(now);
   totals.malformed = messages_.counts().malformed;
-  totals.malformed[static_cast<std::size_t>(wire::Malformed::unreadable)] += network.implausible;
+  totals.malformed[wire::Malformed::unreadable] += network.implausible;
   totals.foreign_session = messages_.counts().foreign + network.foreign;
   totals.refusals = refusals_;
   totals.send_failures = messages_.counts().send_failures;

@@ -131,7 +131,7 @@ void FollowerThread::run(const std::stop_token& stopping) {
     tick(now);
     now = timer.wait();
   } while (!is_at_rest(state_) && now < until);
-  outcome_.in_state[static_cast<std::size_t>(state_)] += now - state_since_;
+  outcome_.in_state[state_] += now - state_since_;
   outcome_.at_rest = is_at_rest(state_);
   outcome_.missed_ticks = timer.missed();
   if (guard_) guard_->end();
@@ -176,7 +176,7 @@ void FollowerThread::note_state(Nanoseconds now) noexcept {
     std::copy_n(said.begin(), std::min(said.size(), change.said.size() - 1), change.said.begin());
   }
   if (!changes_->queue.push(change)) ++outcome_.changes_lost;
-  outcome_.in_state[static_cast<std::size_t>(state_)] += change.lasted;
+  outcome_.in_state[state_] += change.lasted;
   state_ = state;
   state_since_ = now;
 }

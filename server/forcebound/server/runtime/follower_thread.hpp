@@ -13,6 +13,7 @@
 #include <thread>
 #include <utility>
 
+#include "forcebound/control/enum_array.hpp"
 #include "forcebound/record/idle_thread.hpp"
 #include "forcebound/record/wake_ups.hpp"
 #include "forcebound/server/follower/follower.hpp"
@@ -61,9 +62,9 @@ class FollowerThread final : public FollowerRunner {
   /// What there was, after the end.
   struct Outcome {
     FollowerTotals totals{};
-    std::array<Nanoseconds, control::kFollowerStates> in_state{};  ///< how long
-    record::IdleTimer loop{};                                      ///< intervals between the loop's wake-ups
-    record::IdleTimer idle{};                                      ///< of a thread that only slept meanwhile
+    control::EnumArray<control::FollowerState, Nanoseconds, control::kFollowerStates> in_state{};  ///< how long
+    record::IdleTimer loop{};  ///< intervals between the loop's wake-ups
+    record::IdleTimer idle{};  ///< of a thread that only slept meanwhile
     std::uint64_t missed_ticks = 0;
     std::uint64_t allocations = 0;   ///< in the loop, without its first second; 0 where nobody counts
     std::uint64_t changes_lost = 0;  ///< of state, that nobody took in time

@@ -1,12 +1,14 @@
 #include "forcebound/server/security/secure_counters.hpp"
 
+#include <array>
+
 #include "forcebound/server/session/count_text.hpp"
 
 namespace forcebound::server {
 namespace {
 
 /// Of sealed datagrams, by security::Opening.
-constexpr std::array<const char*, security::kOpenings> kOpenings{
+constexpr std::array kOpenings{
     "opened",          "malformed",           "too long",     "of another session", "of unknown keys",
     "of expired keys", "replayed or too old", "not authentic"};
 
@@ -16,12 +18,12 @@ void SecureCounters::add(const SecureCounters& other) noexcept {
 #define FORCEBOUND_ADD(subject, name, words) name += other.name;
   FORCEBOUND_SECURE_COUNTS(FORCEBOUND_ADD)
 #undef FORCEBOUND_ADD
-  for (std::size_t i = 0; i < records.size(); ++i) records[i] += other.records[i];
+  records += other.records;
 }
 
 std::string SecureCounters::text() const {
   CountText counts;
-  for (std::size_t i = 0; i < records.size(); ++i) counts.tell("sealed datagrams", records[i], kOpenings[i]);
+  for (std::size_t i = 0; i < records.size(); ++i) counts.tell("sealed datagrams", records.at(i), kOpenings[i]);
 #define FORCEBOUND_TELL(subject, name, words) counts.tell(subject, name, words);
   FORCEBOUND_SECURE_COUNTS(FORCEBOUND_TELL)
 #undef FORCEBOUND_TELL

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <string>
 
@@ -44,7 +43,7 @@ struct SecureCounters {
 #define FORCEBOUND_MEMBER(subject, name, words) std::uint64_t name = 0;
   FORCEBOUND_SECURE_COUNTS(FORCEBOUND_MEMBER)
 #undef FORCEBOUND_MEMBER
-  std::array<std::uint64_t, security::kOpenings> records{};  ///< sealed datagrams, by security::Opening
+  security::OpeningCounts records{};
 
   /// Adds those of another link.
   void add(const SecureCounters& other) noexcept;

@@ -100,12 +100,12 @@ std::optional<SecureLink::Content> SecureLink::take_in_record(std::span<const st
                                                               const net::Address& from, Nanoseconds now) {
   const auto found = peers_.find(security::session_of_record(record));
   if (found == peers_.end()) {
-    ++counted(security::Opening::other_session);
+    ++counters_.records[security::Opening::other_session];
     return std::nullopt;
   }
   auto& [number, peer] = *found;
   const security::Opened opened = peer.channel.open(record, plain_, now);
-  ++counted(opened.result);
+  ++counters_.records[opened.result];
   if (opened.result != security::Opening::opened) return std::nullopt;
   peer.heard = now;
   if (!peer.confirmed) confirm(found);

@@ -209,9 +209,6 @@ class SecureLink final : public net::DatagramLink {
   /// Whether what goes to the address may be sealed for this session from now on.
   [[nodiscard]] bool may_own(const net::Address& address, std::uint32_t number, const Peer& peer,
                              Nanoseconds now) const noexcept;
-  std::uint64_t& counted(security::Opening result) noexcept {
-    return counters_.records[static_cast<std::size_t>(result)];
-  }
 
   // Handshakes.
   using Waiting = WaitingHandshakes::Waiting;

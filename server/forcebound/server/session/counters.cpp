@@ -8,7 +8,7 @@ void ServerCounters::add(const ServerCounters& other) noexcept {
 #define FORCEBOUND_ADD(subject, name, words) name += other.name;
   FORCEBOUND_SERVER_COUNTS(FORCEBOUND_ADD)
 #undef FORCEBOUND_ADD
-  for (std::size_t i = 0; i < malformed.size(); ++i) malformed[i] += other.malformed[i];
+  malformed += other.malformed;
 }
 
 void ServerCounters::add(const EnvironmentFaults& faults) noexcept {
@@ -24,9 +24,7 @@ std::string ServerCounters::text() const {
 #define FORCEBOUND_TELL(subject, name, words) counts.tell(subject, name, words);
   FORCEBOUND_SERVER_COUNTS(FORCEBOUND_TELL)
 #undef FORCEBOUND_TELL
-  for (const wire::MalformedRow& row : wire::kMalformed) {
-    counts.tell("datagrams", malformed[static_cast<std::size_t>(row.reason)], row.word);
-  }
+  for (const wire::MalformedRow& row : wire::kMalformed) counts.tell("datagrams", malformed[row.reason], row.word);
   return counts.text();
 }
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <string>
 
@@ -77,7 +76,7 @@ struct ServerCounters {
 #define FORCEBOUND_MEMBER(subject, name, words) std::uint64_t name = 0;
   FORCEBOUND_SERVER_COUNTS(FORCEBOUND_MEMBER)
 #undef FORCEBOUND_MEMBER
-  std::array<std::uint64_t, wire::kMalformedReasons> malformed{};  ///< by wire::Malformed
+  wire::MalformedCounts malformed{};
 
   /// Motions received and not answered: motions_received - forces_sent, if every send succeeded and no motion waits.
   [[nodiscard]] std::uint64_t motions_unanswered() const noexcept {

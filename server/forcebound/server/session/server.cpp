@@ -55,7 +55,7 @@ std::optional<std::size_t> Server::receive(std::span<const std::byte> datagram, 
   if (!sender.judged) ++counters_.datagrams;
   const auto heading = wire::heading_of(datagram);
   if (const auto* malformed = std::get_if<wire::Malformed>(&heading)) {
-    ++counters_.malformed[static_cast<std::size_t>(*malformed)];
+    ++counters_.malformed[*malformed];
     return std::nullopt;
   }
   // What can be dropped by its heading is: a flood of it must cost little.
@@ -70,7 +70,7 @@ std::optional<std::size_t> Server::receive(std::span<const std::byte> datagram, 
   }
   const auto decoded = codec_.decode(datagram, begins);
   if (const auto* malformed = std::get_if<wire::Malformed>(&decoded)) {
-    ++counters_.malformed[static_cast<std::size_t>(*malformed)];
+    ++counters_.malformed[*malformed];
     return std::nullopt;
   }
   const auto& message = std::get<wire::Message>(decoded);

@@ -133,9 +133,7 @@ class SecureLinkTest : public testing::Test {
     }
   }
 
-  std::uint64_t counted(security::Opening result) const {
-    return secure_->counters().by_opening[static_cast<std::size_t>(result)];
-  }
+  std::uint64_t counted(security::Opening result) const { return secure_->counters().by_opening[result]; }
 
   test::FakeClock clock_;
   test::FakeLink link_;

@@ -98,7 +98,7 @@ TEST_F(ActuationTest, LeavesTheForceToTheDeviceWhileNoReadingIsNewButNotForLong)
     EXPECT_EQ(device.applied_at, applied_at);
   }
   EXPECT_EQ(totals().stale_readings, 4U);
-  EXPECT_EQ(totals().readings.refused(), 0U);
+  EXPECT_EQ(control::refused(totals().readings), 0U);
   tick(-2);
   EXPECT_EQ(device.applied[0], 0.0) << "5 ms after the last command";
   EXPECT_EQ(totals().readings[control::ReadingStatus::stale], 1U);

@@ -25,9 +25,7 @@ class MessageLinkTest : public ::testing::Test {
     datagrams.arrive(codec.encode(message), from);
   }
 
-  [[nodiscard]] std::uint64_t malformed(wire::Malformed reason) const {
-    return link.counts().malformed[static_cast<std::size_t>(reason)];
-  }
+  [[nodiscard]] std::uint64_t malformed(wire::Malformed reason) const { return link.counts().malformed[reason]; }
 
   const wire::Bye bye{.session = kSession};
   test::FakeLink datagrams;

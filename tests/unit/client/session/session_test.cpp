@@ -192,9 +192,7 @@ TEST_F(SessionTest, WellFormedButFalseForcesNeverReachTheDevice) {
   for (int i = 0; i < 100; ++i) tick();
   EXPECT_EQ(records.forces, 0);
   EXPECT_EQ(device.applied[0], 0);
-  EXPECT_EQ(session.totals().foreign_session +
-                session.totals().malformed[static_cast<std::size_t>(wire::Malformed::unreadable)],
-            5000U);
+  EXPECT_EQ(session.totals().foreign_session + session.totals().malformed[wire::Malformed::unreadable], 5000U);
 }
 
 TEST_F(SessionTest, AFailedReadingIsZeroForceAndNoMotion) {

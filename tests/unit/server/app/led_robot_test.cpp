@@ -82,8 +82,8 @@ TEST(RobotsTotals, HaveBothTimersAndThePort) {
   outcome.totals.stops = 1;
   outcome.totals.why_stopped = "the leader is silent";
   outcome.totals.lag_m_max = 0.0042;
-  outcome.in_state[static_cast<std::size_t>(following)] = 9s;
-  outcome.in_state[static_cast<std::size_t>(waiting)] = 1s;
+  outcome.in_state[following] = 9s;
+  outcome.in_state[waiting] = 1s;
   outcome.loop = {.wake_ups = 9999, .late = 2, .p50_us = 1000, .p99_us = 1043, .p999_us = 1100, .max_us = 1900};
   outcome.idle = {.wake_ups = 9999, .late = 1, .p50_us = 1000, .p99_us = 1021, .p999_us = 1100, .max_us = 1700};
   outcome.missed_ticks = 3;

@@ -116,7 +116,7 @@ TEST(DrivenRobot, OfWhichReadingsAreStaleGoesOnWithTheTorquesOfTheTickBefore) {
     DrivenFollower arm(settings);
     arm.engage();
     arm.run(1s, [](double time_s, LeaderMotion& leader) { leader.position[2] = 0.02 * std::sin(6 * time_s); });
-    EXPECT_EQ(arm.follower->totals().readings.refused(), 0U);
+    EXPECT_EQ(refused(arm.follower->totals().readings), 0U);
     EXPECT_GE(arm.follower->totals().port.minimum_J, -1e-12);
     return arm.follower->totals().lag_m_max;
   };

@@ -181,8 +181,8 @@ TEST(FollowerThread, CountsItsTimeInStatesAndItsWakeUps) {
   led.thread->begin_leader();
   led.lead_until(following);
   const FollowerThread::Outcome& outcome = led.thread->stop();
-  EXPECT_GT(outcome.in_state[static_cast<std::size_t>(waiting)], 0ns);
-  EXPECT_GT(outcome.in_state[static_cast<std::size_t>(following)], 0ns);
+  EXPECT_GT(outcome.in_state[waiting], 0ns);
+  EXPECT_GT(outcome.in_state[following], 0ns);
   EXPECT_EQ(outcome.loop.wake_ups, outcome.totals.ticks - 1) << "an interval between two ticks each";
   EXPECT_GT(outcome.idle.wake_ups, 0U);
   EXPECT_EQ(outcome.allocations, 0U);

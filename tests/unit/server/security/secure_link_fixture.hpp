@@ -123,9 +123,7 @@ class SecureLinkFixture : public testing::Test {
     return opened ? std::string(reinterpret_cast<const char*>(opened->data()), opened->size()) : "";
   }
 
-  [[nodiscard]] std::uint64_t records(security::Opening why) const {
-    return link->counters().records[static_cast<std::size_t>(why)];
-  }
+  [[nodiscard]] std::uint64_t records(security::Opening why) const { return link->counters().records[why]; }
 
   security::KeyPair anna = security::key_pair_from(security::key_bytes(1));
   security::KeyPair bert = security::key_pair_from(security::key_bytes(4));

@@ -19,7 +19,7 @@ TEST(ServerCounters, TextLeavesOutZeroCounts) {
 TEST(ServerCounters, NameEveryReason) {
   ServerCounters counters;
   counters.datagrams = 9;
-  counters.malformed = {1, 2, 3, 4, 5, 6};
+  counters.malformed = {{{1, 2, 3, 4, 5, 6}}};
   counters.motions_received = 7;
   counters.motions_reordered = 2;
   EXPECT_EQ(counters.text(),

@@ -13,9 +13,9 @@ TEST_F(ServerAbuse, CountsMalformedDatagramsByReason) {
   server->on_datagram(std::vector<std::byte>(100), address(1), clock.time);
   server->on_datagram(std::vector<std::byte>(1400), address(1), clock.time);
   const auto malformed = server->counters().malformed;
-  EXPECT_EQ(malformed[static_cast<std::size_t>(wire::Malformed::truncated)], 1u);
-  EXPECT_EQ(malformed[static_cast<std::size_t>(wire::Malformed::foreign)], 1u);
-  EXPECT_EQ(malformed[static_cast<std::size_t>(wire::Malformed::oversize)], 1u);
+  EXPECT_EQ(malformed[wire::Malformed::truncated], 1u);
+  EXPECT_EQ(malformed[wire::Malformed::foreign], 1u);
+  EXPECT_EQ(malformed[wire::Malformed::oversize], 1u);
   EXPECT_TRUE(answers().empty());
 }
 

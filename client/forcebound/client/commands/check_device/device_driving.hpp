@@ -46,7 +46,7 @@ struct ReadingCounts {
   Nanoseconds last_latched{0};
 
   /// That cannot be true, or that there are none of; what is stale aside.
-  [[nodiscard]] std::uint64_t failed() const noexcept { return refused.refused(); }
+  [[nodiscard]] std::uint64_t failed() const noexcept { return control::refused(refused); }
   /// Of these for the sake of the time that they tell.
   [[nodiscard]] std::uint64_t out_of_time() const noexcept {
     return refused[control::ReadingStatus::backwards] + refused[control::ReadingStatus::future];
