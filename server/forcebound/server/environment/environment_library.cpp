@@ -58,10 +58,10 @@ void EnvironmentLibrary::add(EnvironmentKind kind) {
   shelf_->added.push_back(std::make_shared<const EnvironmentKind>(std::move(kind)));
 }
 
-EnvironmentLibrary::Requested EnvironmentLibrary::request(std::string_view name) const {
-  if (auto own = shelf_->own(name)) return {.kind = std::move(own)};
-  SceneLibrary::Requested wanted = shelf_->scenes.request(name);
-  return {.kind = shelf_->kind_of(wanted.scene), .coming = wanted.coming, .why_not = std::move(wanted.why_not)};
+Requested<EnvironmentKind> EnvironmentLibrary::request(std::string_view name) const {
+  if (auto own = shelf_->own(name)) return {.found = std::move(own)};
+  Requested<scene::Scene> wanted = shelf_->scenes.request(name);
+  return {.found = shelf_->kind_of(wanted.found), .coming = wanted.coming, .why_not = std::move(wanted.why_not)};
 }
 
 std::shared_ptr<const EnvironmentKind> EnvironmentLibrary::find(std::string_view name) const {

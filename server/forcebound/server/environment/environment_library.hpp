@@ -28,14 +28,8 @@ class EnvironmentLibrary {
   /// @throws std::invalid_argument without a name or without `make`
   void add(EnvironmentKind kind);
 
-  struct Requested {
-    std::shared_ptr<const EnvironmentKind> kind{};
-    bool coming = false;    ///< being compiled on another thread: retry later
-    std::string why_not{};  ///< reason why the scene did not compile
-  };
-
-  /// All members empty: the name is unknown. A scene has the same kind until it is replaced.
-  [[nodiscard]] Requested request(std::string_view name) const;
+  /// A scene has the same kind until it is replaced.
+  [[nodiscard]] Requested<EnvironmentKind> request(std::string_view name) const;
 
   /// As `request`, but compiles the scene now if necessary. Null if the name is unknown.
   [[nodiscard]] std::shared_ptr<const EnvironmentKind> find(std::string_view name) const;

@@ -130,9 +130,9 @@ std::shared_ptr<const scene::Scene> SceneLibrary::find(std::string_view name) co
   return entry->scene;
 }
 
-SceneLibrary::Requested SceneLibrary::request(std::string_view name) const {
+Requested<scene::Scene> SceneLibrary::request(std::string_view name) const {
   Shelf::Entry* const entry = shelf_->find(name);
-  if (entry == nullptr || entry->scene || !shelf_->elsewhere) return {.scene = find(name)};
+  if (entry == nullptr || entry->scene || !shelf_->elsewhere) return {.found = find(name)};
   if (!entry->why_not.empty()) return {.why_not = std::exchange(entry->why_not, {})};
   if (!std::exchange(entry->coming, true)) shelf_->elsewhere(shelf_->compilation_of(*entry));
   return {.coming = true};

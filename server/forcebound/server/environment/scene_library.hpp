@@ -12,6 +12,14 @@
 
 namespace forcebound::server {
 
+/// What a library has of a name. All members empty: the name is unknown.
+template <class Wanted>
+struct Requested {
+  std::shared_ptr<const Wanted> found{};
+  bool coming = false;    ///< the scene is being compiled on another thread: retry later
+  std::string why_not{};  ///< reason why the scene did not compile
+};
+
 /// The scenes that clients can request by name. A shipped scene is compiled once, at its first request, so that the
 /// server starts at once: that takes milliseconds, with tissue a tenth of a second, with `accuracy = "auto"` as long as
 /// measuring each level takes.
@@ -49,14 +57,8 @@ class SceneLibrary {
   /// Null if the name is unknown. Never opens files, because the name may come from a client.
   [[nodiscard]] std::shared_ptr<const scene::Scene> find(std::string_view name) const;
 
-  struct Requested {
-    std::shared_ptr<const scene::Scene> scene{};
-    bool coming = false;    ///< being compiled on another thread: retry later
-    std::string why_not{};  ///< reason why the scene did not compile
-  };
-
   /// As `find`, without waiting for a compilation if `compile_elsewhere` was called.
-  [[nodiscard]] Requested request(std::string_view name) const;
+  [[nodiscard]] Requested<scene::Scene> request(std::string_view name) const;
 
   [[nodiscard]] std::vector<std::string> all_names() const;
 

@@ -129,10 +129,10 @@ Decision Admission::decide(const wire::Hello& hello, const Sender& sender, Nanos
   if (!wanted.why_not.empty()) {
     return Refused{RefusalReason::server_full, refusal_for_now(printable(hello.scene), wanted.why_not)};
   }
-  if (!wanted.kind) {
+  if (!wanted.found) {
     return Refused{RefusalReason::unknown_scene, environments_.unknown_text(printable(hello.scene))};
   }
-  return decide_place(hello, std::move(wanted.kind), sender, now);
+  return decide_place(hello, std::move(wanted.found), sender, now);
 }
 
 bool Admission::is_dropped(const wire::Hello& hello, const Sender& sender, Nanoseconds now) noexcept {

@@ -46,7 +46,7 @@ TEST(EnvironmentLibrary, GivesASceneOneKindUntilTheSceneIsReplaced) {
   scenes.add(wall(100));
   const EnvironmentLibrary environments = scenes;
   const auto first = environments.find("wall");
-  EXPECT_EQ(environments.request("wall").kind, first) << "who shares a scene must meet the same one";
+  EXPECT_EQ(environments.request("wall").found, first) << "who shares a scene must meet the same one";
   EXPECT_NEAR(force_N(*first, 0.01), -1, 1e-12);
   scenes.add(wall(200));
   const auto second = environments.find("wall");
@@ -60,7 +60,7 @@ TEST(EnvironmentLibrary, AnAddedEnvironmentTakesPrecedenceOverASceneOfItsName) {
   EnvironmentKind own = scene_environment(wall(300));
   environments.add(own);
   EXPECT_NEAR(force_N(*environments.find("wall"), 0.01), -3, 1e-12);
-  EXPECT_NEAR(force_N(*environments.request("wall").kind, 0.01), -3, 1e-12);
+  EXPECT_NEAR(force_N(*environments.request("wall").found, 0.01), -3, 1e-12);
   own = scene_environment(wall(400));
   environments.add(own);
   EXPECT_NEAR(force_N(*environments.find("wall"), 0.01), -4, 1e-12) << "the later one replaces it";

@@ -89,13 +89,13 @@ TEST(SceneLibrary, RequestReturnsAtOnceWhileASceneIsCompiledElsewhere) {
   for (int i = 0; i < 3; ++i) {
     const auto requested = library.request("sphere");
     EXPECT_TRUE(requested.coming);
-    EXPECT_EQ(requested.scene, nullptr);
+    EXPECT_EQ(requested.found, nullptr);
   }
   ASSERT_EQ(wanted.size(), 1U);
   EXPECT_EQ(wanted.front().name, "sphere");
   const auto compiled = wanted.front().compile();
   library.add(compiled);
-  EXPECT_EQ(library.request("sphere").scene, compiled);
+  EXPECT_EQ(library.request("sphere").found, compiled);
   EXPECT_FALSE(library.request("sphere").coming);
   EXPECT_FALSE(library.request("no such scene").coming);
   EXPECT_EQ(wanted.size(), 1U);

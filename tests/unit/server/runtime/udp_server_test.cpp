@@ -59,8 +59,8 @@ TEST(UdpServer, TwoCannotHaveOneAddress) {
 }
 
 /// The result of a request after the compiler has finished.
-SceneLibrary::Requested request_until_done(const SceneLibrary& scenes, SceneCompiler& compiler, std::string_view name) {
-  SceneLibrary::Requested requested = scenes.request(name);
+Requested<scene::Scene> request_until_done(const SceneLibrary& scenes, SceneCompiler& compiler, std::string_view name) {
+  Requested<scene::Scene> requested = scenes.request(name);
   while (requested.coming) {
     std::this_thread::yield();
     compiler.deliver();
@@ -74,11 +74,11 @@ TEST(SceneCompiler, CompilesWhatIsAskedForAndLeavesTheLibraryToItselfWhenItEnds)
   {
     SceneCompiler compiler(scenes, [](std::string_view, std::string_view why) { ADD_FAILURE() << why; });
     const auto requested = request_until_done(scenes, compiler, "wall");
-    ASSERT_NE(requested.scene, nullptr);
-    EXPECT_EQ(requested.scene->facts().name, "wall");
+    ASSERT_NE(requested.found, nullptr);
+    EXPECT_EQ(requested.found->facts().name, "wall");
     EXPECT_TRUE(scenes.request("sphere").coming);
   }
-  EXPECT_NE(scenes.request("sphere").scene, nullptr) << "compiled while its asker waits";
+  EXPECT_NE(scenes.request("sphere").found, nullptr) << "compiled while its asker waits";
 }
 
 TEST(SceneCompiler, TellsWhichSceneItCannotCompileAndWhy) {
@@ -90,7 +90,7 @@ TEST(SceneCompiler, TellsWhichSceneItCannotCompileAndWhy) {
     reason = why;
   });
   const auto requested = request_until_done(scenes, compiler, "wall");
-  EXPECT_EQ(requested.scene, nullptr);
+  EXPECT_EQ(requested.found, nullptr);
   EXPECT_EQ(failed, "wall");
   EXPECT_EQ(requested.why_not, reason);
   EXPECT_NE(reason.find("scenes/wall.toml"), std::string::npos) << reason;
