@@ -25,14 +25,14 @@ void end_cleanly(int) { stop_asked = true; }
 void find_server(Options& options) {
   if (options.allocation.url.empty() || !options.law_help.empty()) return;
   try {
-    options.server = allocate(options.allocation);
-    spdlog::info("the allocator gave server {}", options.server);
+    options.client.server = allocate(options.allocation);
+    spdlog::info("the allocator gave server {}", options.client.server);
   } catch (const std::runtime_error& error) {
-    if (options.server.empty()) {
+    if (options.client.server.empty()) {
       throw std::runtime_error(std::string("no server from the allocator: ") + error.what() +
                                "; --server HOST:PORT would be used instead");
     }
-    spdlog::warn("no server from the allocator: {}; using --server {}", error.what(), options.server);
+    spdlog::warn("no server from the allocator: {}; using --server {}", error.what(), options.client.server);
   }
 }
 

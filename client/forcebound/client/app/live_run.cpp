@@ -118,13 +118,11 @@ class LiveRun {
     LiveTrack& main = *tracks.front();
     show(tracks);
     LiveLine line;
-    Options of_run = options_;
-    of_run.law = choice_.law;
     Client client(main.settings, *main.device, std::move(main.law), {&line, main.tap.get()});
     spdlog::info("{}; law {}, server {}, {}", first_words(*main.device, main.settings.hand), choice_.law,
-                 client.server_in_words(), encryption_in_words(options_));
+                 client.server_in_words(), encryption_in_words(main.settings));
     warn_of_hand(main.settings.hand, *main.device);
-    Screen screen(of_run, line, client.events(), [this](const EventWords& words) { show_event(0, words); });
+    Screen screen(options_, line, client.events(), [this](const EventWords& words) { show_event(0, words); });
     Beside beside;
     time::Nanoseconds last{0};
     const auto housekeeping = [&](time::Nanoseconds now, time::Nanoseconds elapsed) {
@@ -170,7 +168,8 @@ class LiveRun {
       consider(*request, client);
     }
     if (const auto begin_m = page_.take_begin(); begin_m && !next_) begin_again_at(*begin_m, main);
-    const bool over = options_.duration_s > 0 && time::to_seconds(clock_.now() - begun_) >= options_.duration_s;
+    const double duration_s = options_.client.duration_s;
+    const bool over = duration_s > 0 && time::to_seconds(clock_.now() - begun_) >= duration_s;
     if (stop_ || over) {
       next_.reset();
       again_ = false;

@@ -86,16 +86,16 @@ ShownTrack LiveTrack::shown(time::Nanoseconds epoch) const {
 }
 
 PageChoice TrackMaker::first_choice() const {
-  return {.law = options_.law,
+  return {.law = options_.client.law,
           .law_beside = law_to_compare_with(),
-          .scene = options_.scene,
+          .scene = options_.client.scene,
           .device = options_.device.device,
-          .recording = !options_.record.empty()};
+          .recording = !options_.client.recording.empty()};
 }
 
 std::optional<std::string> TrackMaker::law_to_compare_with() const {
-  const std::string law = options_.law == "none" ? "fba-exact" : "none";
-  const KnownScene* const scene = find_known_scene(options_.scene);
+  const std::string law = options_.client.law == "none" ? "fba-exact" : "none";
+  const KnownScene* const scene = find_known_scene(options_.client.scene);
   const bool shared = scene != nullptr && scene->shared;  // the same hand would be in it twice
   if (!has_pointer() || shared || !laws_.refusal(law, facts_of(options_.device.device)).empty()) return std::nullopt;
   return law;
@@ -180,7 +180,7 @@ std::string TrackMaker::hand_of(const PageChoice& choice) const {
 
 std::string TrackMaker::recording_of(const PageChoice& choice, bool beside, int run) const {
   if (!choice.recording) return {};
-  return file_of_run(options_.record.empty() ? kRecording : options_.record, run, beside);
+  return file_of_run(options_.client.recording.empty() ? kRecording : options_.client.recording, run, beside);
 }
 
 std::unique_ptr<LiveTrack> TrackMaker::make(const PageChoice& choice, bool beside, int run) const {
@@ -190,16 +190,16 @@ std::unique_ptr<LiveTrack> TrackMaker::make(const PageChoice& choice, bool besid
   const control::DeviceFacts& facts = track->device->facts();
   const std::string& law = beside ? *choice.law_beside : choice.law;
   Options of_law = options_;
-  of_law.law = law;
+  of_law.client.law = law;
   // The command line's parameters are of its own law.
-  if (law != options_.law) of_law.law_parameters.clear();
+  if (law != options_.client.law) of_law.law_parameters.clear();
   const control::LawOptions chosen = law_options(of_law, laws_);
   track->law = laws_.make(law, facts, chosen);
   track->tap = std::make_shared<TickTap>();
   track->view = std::make_shared<ViewTap>();
   track->pointer = pointer_of(*track->device);
   Client::Settings& settings = track->settings;
-  settings = settings_of(options_);
+  settings = options_.client;
   settings.law = law;
   const control::LawParameters parameters = laws_.parameters(law, facts, chosen.parameters);
   settings.law_parameters = baselines::describe(parameters);
@@ -211,7 +211,7 @@ std::unique_ptr<LiveTrack> TrackMaker::make(const PageChoice& choice, bool besid
   // The program ends the run.
   settings.duration_s = 0;
   // As if each were another program: a session that ended must not be taken for the next one.
-  settings.seed = options_.seed + 2 * static_cast<std::uint64_t>(run) + (beside ? 1U : 0U);
+  settings.seed = options_.client.seed + 2 * static_cast<std::uint64_t>(run) + (beside ? 1U : 0U);
   settings.recording = recording_of(choice, beside, run);
   if (!settings.recording.empty()) settings.attachments = recorded_files(request.device, law, parameters);
   return track;

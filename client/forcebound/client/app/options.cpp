@@ -46,12 +46,12 @@ constexpr std::string_view kMore =
     "    --allocate-key my-key.pem --key my.key --server-key fleet.pub\n"
     "\n";
 
-/// Folder of the user's files that programs can make again; "none" if the environment names none.
+/// Folder of the user's files that programs can make again; empty if the environment names none.
 std::string default_scene_cache() {
   const char* const cache = std::getenv("XDG_CACHE_HOME");
   if (cache != nullptr && *cache != 0) return std::string(cache) + "/forcebound";
   const char* const home = std::getenv("HOME");
-  return home != nullptr && *home != 0 ? std::string(home) + "/.cache/forcebound" : "none";
+  return home != nullptr && *home != 0 ? std::string(home) + "/.cache/forcebound" : "";
 }
 
 /// As typed: not yet in the units and types of the options.
@@ -59,13 +59,14 @@ struct Typed {
   double hold_ms = 0;
   double drop_ms = 0;
   std::string memory = "capped";
+  std::string rendering = "local";
   std::string send_rate = "1000";
   std::string page{};
 };
 
 /// Who feels what, and what bounds it.
 void add_device_and_law(CLI::App& app, Options& options, Typed& typed, const control::LawRegistry& laws) {
-  app.add_option("--scene", options.scene, "scene to request; default: the server's")->type_name("NAME");
+  app.add_option("--scene", options.client.scene, "scene to request; default: the server's")->type_name("NAME");
   app.add_option("--device", options.device.device, "device to read, see below")->type_name("NAME|FILE.toml|DRIVER");
   app.add_option("--operator", options.device.hand, "hand on a simulated device, see below")->type_name("SPEC");
   app.add_option("--rate", options.device.rate_Hz,
@@ -73,7 +74,7 @@ void add_device_and_law(CLI::App& app, Options& options, Typed& typed, const con
                  "walls the shorter a tick is; default: the device's own")
       ->check(program::number_within(device::kTickRateLeast_Hz, device::kTickRateMost_Hz))
       ->type_name("HZ");
-  app.add_option("--law", options.law, "law that bounds the force, see below")
+  app.add_option("--law", options.client.law, "law that bounds the force, see below")
       ->check(program::one_of("law", laws.names()))
       ->type_name("LAW")
       ->capture_default_str();
@@ -93,24 +94,24 @@ void add_device_and_law(CLI::App& app, Options& options, Typed& typed, const con
 
 /// How forces come to be: where, how often, how fast and until when.
 void add_rendering(CLI::App& app, Options& options, Typed& typed) {
-  app.add_option("--rendering", options.rendering,
+  app.add_option("--rendering", typed.rendering,
                  "local: what does not move in the scene is handed over and runs at the client; remote: all forces "
                  "are the server's")
       ->check(program::one_of("rendering", {"local", "remote"}))
       ->type_name("local|remote")
       ->capture_default_str();
-  app.add_option("--scene-cache", options.scene_cache,
+  app.add_option("--scene-cache", options.client.scene_cache,
                  "folder for scenes that were handed over, or none; default: forcebound in the user's cache folder")
       ->check(program::not_empty())
       ->type_name("FOLDER|none");
   app.add_option(
-         "--force-slew", options.force_slew_N_per_s,
+         "--force-slew", options.client.force_slew_N_per_s,
          "largest change of the requested force per second, against servers that jerk; a slow one also prolongs "
          "how a force fades; 0: no limit")
       ->check(program::number_within(0))
       ->type_name("N/s")
       ->capture_default_str();
-  app.add_option("--torque-slew", options.torque_slew_N_m_per_s,
+  app.add_option("--torque-slew", options.client.torque_slew_N_m_per_s,
                  "likewise of the requested torque, which a device of six axes shows; 0: no limit")
       ->check(program::number_within(0))
       ->type_name("N_m/s")
@@ -137,23 +138,24 @@ const CLI::Option* describe(CLI::App& app, Options& options, Typed& typed, const
   app.description(kAbout);
   app.footer("Laws (--law):\n" + laws.help() + "\n" + devices.help() + std::string(kMore) +
              std::string(program::kExitCodes));
-  app.add_option("--server", options.server, "the server, or a relay in front of it (required without --allocate)")
+  app.add_option("--server", options.client.server,
+                 "the server, or a relay in front of it (required without --allocate)")
       ->type_name("HOST:PORT");
   add_allocation_options(app, options.allocation);
-  add_identity_options(app, options.identity);
-  app.add_flag("--insecure", options.insecure,
+  add_identity_options(app, options.client.identity);
+  app.add_flag("--insecure", options.client.insecure,
                "do not encrypt, although the server is on another machine: anybody on the way can read, change and "
                "forge");
   add_device_and_law(app, options, typed, laws);
-  app.add_option("--duration", options.duration_s, "length of the run; 0: until interrupted")
+  app.add_option("--duration", options.client.duration_s, "length of the run; 0: until interrupted")
       ->check(program::number_within(0))
       ->capture_default_str()
       ->type_name("SECONDS");
   const CLI::Option* const seed =
-      app.add_option("--seed", options.seed, "seed of the handshake's nonces; default: random")
+      app.add_option("--seed", options.client.seed, "seed of the handshake's nonces; default: random")
           ->check(program::whole_within(0))
           ->type_name("N");
-  app.add_option("--record", options.record,
+  app.add_option("--record", options.client.recording,
                  "write every tick and force to this file, and what Foxglove's 3D panel shows of them")
       ->check(program::not_empty())
       ->type_name("FILE.mcap");
@@ -171,7 +173,8 @@ const CLI::Option* describe(CLI::App& app, Options& options, Typed& typed, const
                  "with --page: the --control address of the forcebound-relay in between, for other networks")
       ->needs("--page")
       ->type_name("HOST:PORT");
-  app.add_flag("--once", options.once, "end if the server refuses or does not answer for 5 s, instead of retrying");
+  app.add_flag("--once", options.client.once,
+               "end if the server refuses or does not answer for 5 s, instead of retrying");
   app.add_flag("--quiet", options.quiet, "no live line");
   program::add_log_option(app);
   program::add_option_file(app);
@@ -183,19 +186,19 @@ void expect_files_apart(const Options& options) {
   const std::vector<program::FileOption> inputs{{"--device", has_device_file ? options.device.device : ""},
                                                 {"--operator", device::recorded_hand(options.device.hand)},
                                                 {"--law-parameters", options.law_parameters},
-                                                {"--key", options.identity.key},
-                                                {"--known-servers", options.identity.known_servers},
-                                                {"--psk", options.identity.shared_key}};
-  program::expect_apart({"--record", options.record}, inputs);
+                                                {"--key", options.client.identity.key},
+                                                {"--known-servers", options.client.identity.known_servers},
+                                                {"--psk", options.client.identity.shared_key}};
+  program::expect_apart({"--record", options.client.recording}, inputs);
   program::expect_apart({"--summary", options.summary}, inputs);
-  program::expect_apart({"--summary", options.summary}, {{"--record", options.record}});
+  program::expect_apart({"--summary", options.summary}, {{"--record", options.client.recording}});
 }
 
 /// With a page and no other operator the hand follows the pointer, on a device that suits the scene.
 void complete_for_page(Options& options, const device::DeviceRegistry& devices) {
   if (!options.device.hand.empty()) return;
   if (options.device.device.empty()) {
-    const KnownScene* const scene = find_known_scene(options.scene);
+    const KnownScene* const scene = find_known_scene(options.client.scene);
     options.device.device = scene == nullptr ? "omni" : device_for(*scene);
   }
   // Only a simulated device has a hand.
@@ -206,9 +209,11 @@ void complete_for_page(Options& options, const device::DeviceRegistry& devices) 
 
 Options parse_options(int argc, const char* const* argv) {
   Options options;
-  options.scene_cache = default_scene_cache();
-  Typed typed{.hold_ms = time::to_seconds(options.policy.hold) * 1e3,
-              .drop_ms = time::to_seconds(options.policy.drop) * 1e3};
+  options.client.program = "forcebound-client " FORCEBOUND_VERSION;
+  options.client.law = "fba-exact";
+  options.client.scene_cache = default_scene_cache();
+  Typed typed{.hold_ms = time::to_seconds(options.client.policy.hold) * 1e3,
+              .drop_ms = time::to_seconds(options.client.policy.drop) * 1e3};
   const control::LawRegistry laws = baselines::shipped_laws();
   const device::DeviceRegistry devices = known_devices();
   CLI::App app;
@@ -217,30 +222,34 @@ Options parse_options(int argc, const char* const* argv) {
   // The live line would be between the lines of JSON.
   options.quiet |= program::logs_json();
   expect_files_apart(options);
-  if (options.insecure && options.identity.any()) {
+  if (options.client.insecure && options.client.identity.any()) {
     throw std::invalid_argument("--insecure excludes --key, --server-key, --known-servers, --trust-new and --psk");
   }
 
-  options.policy = {.hold = time::from_seconds(typed.hold_ms * 1e-3), .drop = time::from_seconds(typed.drop_ms * 1e-3)};
-  program::value_of("--hold, --drop", [&] { options.policy.validate(); });
-  options.send_rate = program::value_of("--send-rate", [&] { return parse_send_rate(typed.send_rate); });
+  options.client.policy = {.hold = time::from_seconds(typed.hold_ms * 1e-3),
+                           .drop = time::from_seconds(typed.drop_ms * 1e-3)};
+  program::value_of("--hold, --drop", [&] { options.client.policy.validate(); });
+  options.client.renders_locally = typed.rendering == "local";
+  if (options.client.scene_cache == "none") options.client.scene_cache.clear();
+  options.client.send_rate = program::value_of("--send-rate", [&] { return parse_send_rate(typed.send_rate); });
   options.law_options.memory = typed.memory == "full" ? control::EnergyMemory::full : control::EnergyMemory::capped;
   if (options.law_help.empty()) {
     expect_complete(options.allocation);
-    if (!options.server.empty()) {
-      program::value_of("--server", [&] { return net::parse_peer(options.server); });
+    if (!options.client.server.empty()) {
+      program::value_of("--server", [&] { return net::parse_peer(options.client.server); });
     } else if (options.allocation.url.empty()) {
       throw std::invalid_argument("--server is required");
     }
   }
   // Not the nonce of the previous run: a server that still has that session would take this run for it.
-  if (seed->count() == 0) options.seed = std::random_device{}();
+  if (seed->count() == 0) options.client.seed = std::random_device{}();
   if (app.count("--page") > 0) {
     options.page =
         program::value_of("--page", [&] { return page::parse_listen_address(typed.page, page::kClientPort); });
     complete_for_page(options, devices);
   }
   options.device = devices.completed(options.device);
+  options.client.hand = options.device.hand;
   return options;
 }
 

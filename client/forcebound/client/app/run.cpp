@@ -42,21 +42,21 @@ int run(const Options& options, const std::atomic<bool>& stop) {
   (void)program::value_of("--rate", [&] { return device::at_tick_rate(own, options.device.rate_Hz); });
   const auto device = program::value_of("--operator", [&] { return devices.make(options.device); });
   const control::LawOptions chosen = law_options(options, laws);
-  auto law = laws.make(options.law, device->facts(), chosen);
-  Client::Settings settings = settings_of(options);
-  const control::LawParameters parameters = laws.parameters(options.law, device->facts(), chosen.parameters);
+  auto law = laws.make(options.client.law, device->facts(), chosen);
+  Client::Settings settings = options.client;
+  const control::LawParameters parameters = laws.parameters(options.client.law, device->facts(), chosen.parameters);
   settings.law_parameters = baselines::describe(parameters);
   if (!settings.recording.empty()) {
-    settings.attachments = recorded_files(options.device.device, options.law, parameters);
+    settings.attachments = recorded_files(options.device.device, options.client.law, parameters);
   }
   // Whether the summary can be written is known before the run.
   if (!options.summary.empty()) text::expect_writable(options.summary);
-  settings.guarantee = guarantee_with(*device, laws.guarantee(options.law));
+  settings.guarantee = guarantee_with(*device, laws.guarantee(settings.law));
 
   LiveLine line;
   Client client(settings, *device, std::move(law), {&line});
-  spdlog::info("{}; law {}, server {}, {}", first_words(*device, options.device.hand), options.law,
-               client.server_in_words(), encryption_in_words(options));
+  spdlog::info("{}; law {}, server {}, {}", first_words(*device, options.device.hand), options.client.law,
+               client.server_in_words(), encryption_in_words(settings));
   warn_of_hand(options.device.hand, *device);
   Screen screen(options, line, client.events());
   Nanoseconds last{0};
@@ -76,7 +76,7 @@ int run(const Options& options, const std::atomic<bool>& stop) {
   };
   client.run(stop, housekeeping, [&](std::string_view crash, bool device_stopped) {
     screen.end(last);
-    return end_without_summary(*device, crash, device_stopped, !options.record.empty());
+    return end_without_summary(*device, crash, device_stopped, !settings.recording.empty());
   });
   screen.end(last);
 

@@ -30,34 +30,14 @@ bool write_summary(const std::string& file, const record::Summary& summary) {
 control::LawOptions law_options(const Options& options, const control::LawRegistry& laws) {
   control::LawOptions chosen = options.law_options;
   if (!options.law_parameters.empty()) {
-    chosen.parameters = baselines::load_law_parameters(options.law_parameters, options.law, laws);
+    chosen.parameters = baselines::load_law_parameters(options.law_parameters, options.client.law, laws);
   }
   return chosen;
 }
 
-Client::Settings settings_of(const Options& options) {
-  return {.server = options.server,
-          .identity = options.identity,
-          .insecure = options.insecure,
-          .scene = options.scene,
-          .policy = options.policy,
-          .renders_locally = options.rendering == "local",
-          .scene_cache = options.scene_cache == "none" ? "" : options.scene_cache,
-          .force_slew_N_per_s = options.force_slew_N_per_s,
-          .torque_slew_N_m_per_s = options.torque_slew_N_m_per_s,
-          .send_rate = options.send_rate,
-          .seed = options.seed,
-          .duration_s = options.duration_s,
-          .once = options.once,
-          .recording = options.record,
-          .program = "forcebound-client " FORCEBOUND_VERSION,
-          .law = options.law,
-          .hand = options.device.hand};
-}
-
-std::string_view encryption_in_words(const Options& options) {
-  if (options.identity.any()) return "encrypted";
-  return options.insecure ? "NOT ENCRYPTED (--insecure)" : "not encrypted: on this machine";
+std::string_view encryption_in_words(const Client::Settings& settings) {
+  if (settings.identity.any()) return "encrypted";
+  return settings.insecure ? "NOT ENCRYPTED (--insecure)" : "not encrypted: on this machine";
 }
 
 int exit_code_of(const Client& client, bool summary_written) {

@@ -17,9 +17,7 @@ bool write_summary(const std::string& file, const record::Summary& summary);
 /// @throws std::exception if the file with the law's parameters is refused
 [[nodiscard]] control::LawOptions law_options(const Options& options, const control::LawRegistry& laws);
 
-[[nodiscard]] Client::Settings settings_of(const Options& options);
-
-[[nodiscard]] std::string_view encryption_in_words(const Options& options);
+[[nodiscard]] std::string_view encryption_in_words(const Client::Settings& settings);
 
 /// What the results of a run make of a program's exit code.
 [[nodiscard]] int exit_code_of(const Client& client, bool summary_written);

@@ -34,7 +34,7 @@ Screen::Screen(const Options& options, const LiveLine& line, EventQueue& events,
       also_(std::move(also)) {}
 
 void Screen::refresh(Nanoseconds now, Nanoseconds elapsed, const std::string& server) {
-  if (elapsed > kNoAnswerTold && !options_.once) warn_of_no_answer(server);
+  if (elapsed > kNoAnswerTold && !options_.client.once) warn_of_no_answer(server);
   log_events(now);
   if (live_) std::fprintf(stderr, "%s%s", kClearLine, line_.text(columns() - 1).c_str());
 }

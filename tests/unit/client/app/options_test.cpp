@@ -15,9 +15,9 @@ namespace {
 
 TEST(ClientOptions, RenderLocallyUnlessRemoteIsSaid) {
   const std::array unsaid{"forcebound-client", "--server", "127.0.0.1:47800"};
-  EXPECT_EQ(parse_options(static_cast<int>(unsaid.size()), unsaid.data()).rendering, "local");
+  EXPECT_TRUE(parse_options(static_cast<int>(unsaid.size()), unsaid.data()).client.renders_locally);
   const std::array said{"forcebound-client", "--server", "127.0.0.1:47800", "--rendering", "remote"};
-  EXPECT_EQ(parse_options(static_cast<int>(said.size()), said.data()).rendering, "remote");
+  EXPECT_FALSE(parse_options(static_cast<int>(said.size()), said.data()).client.renders_locally);
 }
 
 Options with_rate(const char* rate_Hz) {
@@ -51,7 +51,7 @@ TEST(ClientOptions, ServeAPageOnlyIfAsked) {
   EXPECT_EQ(with({"--page"}).page->host, "127.0.0.1");
   EXPECT_EQ(with({"--page", "5000"}).page->port, 5000);
   EXPECT_EQ(with({"--page", "0.0.0.0:5000"}).page->host, "0.0.0.0");
-  EXPECT_EQ(with({"--page", "--scene", "wall"}).scene, "wall");
+  EXPECT_EQ(with({"--page", "--scene", "wall"}).client.scene, "wall");
   EXPECT_THROW((void)with({"--page", "nowhere"}), std::invalid_argument);
   EXPECT_THROW((void)with({"--relay-control", "127.0.0.1:1"}), program::End);
 }
