@@ -9,10 +9,14 @@ void LocalRendering::begin(std::uint64_t session, const wire::SceneOffer& offer)
       .hash = offer.manifest_sha256, .manifest_bytes = offer.manifest_bytes, .pieces = offer.pieces};
   // The same scene again, of a server that started anew or forgot us: what is there of it stays.
   if (offered == offer_ && exchange_.phase() != BuildPhase::refused) return;
-  offer_ = offered;
   begins_ = true;
+  set_offer(offered);
+}
+
+void LocalRendering::set_offer(const handover::Announcement& offer) noexcept {
+  offer_ = offer;
   scene_.forget();
-  pending_ = offered.manifest_bytes > 0 ? Pending::begin : Pending::end;
+  pending_ = true;
   settle();
 }
 
@@ -23,19 +27,15 @@ void LocalRendering::note_motion(Nanoseconds read_at) noexcept {
 
 void LocalRendering::end() noexcept {
   session_ = 0;
-  offer_ = {};
-  scene_.forget();
-  pending_ = Pending::end;
-  settle();
+  set_offer({});
 }
 
 void LocalRendering::settle() noexcept {
-  if (pending_ == Pending::begin && exchange_.begin(offer_)) pending_ = Pending::nothing;
-  if (pending_ == Pending::end && exchange_.end()) pending_ = Pending::nothing;
+  if (pending_ && exchange_.begin(offer_)) pending_ = false;
 }
 
 void LocalRendering::take(const wire::ScenePiece& piece) noexcept {
-  if (session_ == 0 || piece.session != session_ || pending_ != Pending::nothing) return;
+  if (session_ == 0 || piece.session != session_ || pending_) return;
   ++pieces_received_;
   piece_bytes_ += piece.content.size();
   // What finds no room is not acknowledged, and comes again.
@@ -43,16 +43,16 @@ void LocalRendering::take(const wire::ScenePiece& piece) noexcept {
 }
 
 wire::PieceReceipt LocalRendering::receipt() const noexcept {
-  const bool wanted = pending_ == Pending::nothing && exchange_.phase() == BuildPhase::wanting;
+  const bool wanted = !pending_ && exchange_.phase() == BuildPhase::wanting;
   return wanted ? receipts_.receipt(true) : wire::PieceReceipt{};
 }
 
 std::optional<LocalAnswer> LocalRendering::answer(const Vector& position, Nanoseconds device_time,
                                                   const std::optional<wire::EnvironmentForce>& newest,
                                                   const control::Handle& handle) noexcept {
-  if (pending_ != Pending::nothing) settle();
+  settle();
   // Until the builder has room for the order, the exchange still hands out the scene that ended.
-  if (pending_ != Pending::nothing) return std::nullopt;
+  if (pending_) return std::nullopt;
   // What was built of a scene before it turned out wrong is not trusted either.
   if (exchange_.phase() == BuildPhase::refused) {
     scene_.forget();

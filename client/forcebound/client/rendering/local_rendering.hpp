@@ -66,8 +66,7 @@ class LocalRendering {
   [[nodiscard]] std::uint64_t piece_bytes_received() const noexcept { return piece_bytes_; }
 
  private:
-  enum class Pending : std::uint8_t { nothing, begin, end };
-
+  void set_offer(const handover::Announcement& offer) noexcept;
   void settle() noexcept;
 
   SceneExchange exchange_;
@@ -76,8 +75,8 @@ class LocalRendering {
   PieceReceipts receipts_;
   std::uint64_t session_ = 0;
   handover::Announcement offer_{};
-  Pending pending_ = Pending::nothing;  // until the builder has room for it
-  bool begins_ = false;                 // with the session's first motion
+  bool pending_ = false;  // the offer, until the builder has room for it
+  bool begins_ = false;   // with the session's first motion
   std::uint64_t pieces_received_ = 0;
   std::uint64_t piece_bytes_ = 0;
 };

@@ -17,32 +17,16 @@ constexpr double kAbove_m = 1e-6;
 
 }  // namespace
 
-LocalScene::~LocalScene() {
-  // The tick is over; nobody counts allocations any more.
-  delete scene_;
-  delete used_;
-}
-
 void LocalScene::forget() noexcept {
   active_ = false;
-  forgotten_ = true;
-  if (used_ == nullptr) used_ = std::exchange(scene_, nullptr);
-  if (exchange_.give_back(used_)) used_ = nullptr;
+  exchange_.give_back(std::exchange(scene_, nullptr));
 }
 
 void LocalScene::adopt() noexcept {
-  if (used_ != nullptr) {
-    if (!exchange_.give_back(used_)) return;
-    used_ = nullptr;
-  }
-  BuiltScene* const next = exchange_.take(scene_);
-  if (next == scene_) return;
-  BuiltScene* const last = std::exchange(scene_, next);
-  const bool goes_on =
-      active_ && last != nullptr && last->generation == next->generation && next->state.go_on_from(last->state);
-  active_ = active_ && goes_on;
-  forgotten_ = false;
-  if (!exchange_.give_back(last)) used_ = last;
+  BuiltScene* const next = exchange_.take();
+  if (next == nullptr) return;
+  active_ = active_ && next->state.go_on_from(scene_->state);
+  exchange_.give_back(std::exchange(scene_, next));
 }
 
 bool LocalScene::knows_about(const scene::Point& place_m, double more_m) const noexcept {
@@ -72,7 +56,7 @@ std::optional<LocalAnswer> LocalScene::answer(const Vector& position, Nanosecond
   const scene::Point place_m = translation_of(position);
   exchange_.note_place(place_m);
   adopt();
-  if (forgotten_) return std::nullopt;
+  if (scene_ == nullptr) return std::nullopt;
   const bool goes_on = active_;
   const scene::SearchBudget budget(nodes_of_a_tick_);
   if (active_) {

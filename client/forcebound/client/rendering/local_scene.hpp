@@ -41,10 +41,11 @@ class LocalScene {
   /// Beyond any round trip, and short enough that the device's way since is nearly straight.
   static constexpr Nanoseconds kAnswerAgeMax = std::chrono::seconds{1};
 
+  /// @param exchange must outlive this
   /// @param nodes_of_a_tick of the trees of meshes; where a tick would visit more, the scene does not answer
   LocalScene(SceneExchange& exchange, std::uint64_t nodes_of_a_tick)
       : exchange_(exchange), nodes_of_a_tick_(nodes_of_a_tick) {}
-  ~LocalScene();
+  ~LocalScene() { exchange_.give_back(scene_); }
   LocalScene(const LocalScene&) = delete;
   LocalScene& operator=(const LocalScene&) = delete;
 
@@ -79,10 +80,8 @@ class LocalScene {
 
   SceneExchange& exchange_;
   std::uint64_t nodes_of_a_tick_;
-  BuiltScene* scene_ = nullptr;  // the builder's to destroy
-  BuiltScene* used_ = nullptr;   // on its way back, as long as there is no room
+  BuiltScene* scene_ = nullptr;  // the builder's to destroy; null: none of this offer
   bool active_ = false;
-  bool forgotten_ = true;  // `scene_` does not count any more
   double depth_m_ = 0;
   std::uint64_t quarantined_ = 0;
   std::uint64_t searches_exhausted_ = 0;

@@ -54,19 +54,10 @@ std::size_t SceneBuilder::work(const std::stop_token& ended) {
   while (!ended.stop_requested()) {
     const auto order = exchange_.next_order();
     if (!order) break;
-    switch (order->kind) {
-      case BuildOrder::Kind::begin:
-        begin(*order, ended);
-        break;
-      case BuildOrder::Kind::piece:
-        take(*order);
-        break;
-      case BuildOrder::Kind::end:
-        assembly_.reset();
-        show(nullptr);
-        generation_ = order->generation;
-        exchange_.set_phase(generation_, BuildPhase::nothing);
-        break;
+    if (order->kind == BuildOrder::Kind::begin) {
+      begin(*order, ended);
+    } else {
+      take(*order);
     }
   }
   return assembly_ && !ended.stop_requested() && worth_building() ? build(ended) : 0;
@@ -80,6 +71,7 @@ void SceneBuilder::begin(const BuildOrder& order, const std::stop_token& ended) 
   stored_ = false;
   assembly_.reset();
   show(nullptr);
+  if (order.announcement.manifest_bytes == 0) return exchange_.set_phase(generation_, BuildPhase::nothing);
   try {
     assembly_ = from_cache(order.announcement, ended);
     if (assembly_) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <boost/lockfree/spsc_queue.hpp>
+#include <utility>
 
 namespace forcebound::client {
 namespace {
@@ -10,21 +11,16 @@ constexpr std::uint64_t kPhases = 8;
 
 }  // namespace
 
-struct SceneExchange::Queues {
-  static constexpr std::size_t kOrders = 512;
-  static constexpr std::size_t kUsed = 16;
-
-  Queues() : orders(kOrders), used(kUsed) {
+struct SceneExchange::Orders : boost::lockfree::spsc_queue<BuildOrder> {
+  Orders() : spsc_queue(512) {
     // Touched here, not by the tick: a page's first use costs a fault.
-    while (orders.push(BuildOrder())) {
+    while (push(BuildOrder())) {
     }
-    orders.consume_all([](const BuildOrder&) {});
+    consume_all([](const BuildOrder&) {});
   }
-  boost::lockfree::spsc_queue<BuildOrder> orders;
-  boost::lockfree::spsc_queue<BuiltScene*> used;
 };
 
-SceneExchange::SceneExchange() : queues_(std::make_unique<Queues>()) {}
+SceneExchange::SceneExchange() : orders_(std::make_unique<Orders>()) {}
 
 SceneExchange::~SceneExchange() {
   destroy_used();
@@ -35,15 +31,7 @@ bool SceneExchange::begin(const handover::Announcement& announcement) noexcept {
   order_.kind = BuildOrder::Kind::begin;
   order_.generation = generation_ + 1;
   order_.announcement = announcement;
-  const bool pushed = queues_->orders.push(order_);
-  generation_ += pushed ? 1 : 0;
-  return pushed;
-}
-
-bool SceneExchange::end() noexcept {
-  order_.kind = BuildOrder::Kind::end;
-  order_.generation = generation_ + 1;
-  const bool pushed = queues_->orders.push(order_);
+  const bool pushed = orders_->push(order_);
   generation_ += pushed ? 1 : 0;
   return pushed;
 }
@@ -54,22 +42,24 @@ bool SceneExchange::put(std::uint32_t number, std::span<const std::byte> content
   order_.number = number;
   order_.bytes = static_cast<std::uint32_t>(content.size());
   std::copy_n(content.begin(), std::min(content.size(), order_.content.size()), order_.content.begin());
-  return queues_->orders.push(order_);
+  return orders_->push(order_);
 }
 
-BuiltScene* SceneExchange::take(BuiltScene* last) noexcept {
-  // One place for the scene that goes back, one for a scene of an offer that does not count any more.
-  if (fresh_.load(std::memory_order_relaxed) == nullptr || queues_->used.write_available() < 2) return last;
+BuiltScene* SceneExchange::take() noexcept {
+  if (fresh_.load(std::memory_order_relaxed) == nullptr) return nullptr;
   BuiltScene* const next = fresh_.exchange(nullptr, std::memory_order_acq_rel);
-  if (next == nullptr) return last;
-  if (next->generation != generation_) {
-    (void)queues_->used.push(next);
-    return last;
-  }
-  return next;
+  if (next == nullptr || next->generation == generation_) return next;
+  give_back(next);
+  return nullptr;
 }
 
-bool SceneExchange::give_back(BuiltScene* scene) noexcept { return scene == nullptr || queues_->used.push(scene); }
+void SceneExchange::give_back(BuiltScene* scene) noexcept {
+  if (scene == nullptr) return;
+  scene->used_before = used_.load(std::memory_order_relaxed);
+  // Tried twice at most: the builder alone changes it meanwhile, to null.
+  while (!used_.compare_exchange_strong(scene->used_before, scene, std::memory_order_acq_rel)) {
+  }
+}
 
 BuildPhase SceneExchange::phase() const noexcept {
   const std::uint64_t word = phase_.load(std::memory_order_acquire);
@@ -84,7 +74,7 @@ void SceneExchange::note_place(const scene::Point& place_m) noexcept {
 
 std::optional<BuildOrder> SceneExchange::next_order() {
   BuildOrder order;
-  if (!queues_->orders.pop(order)) return std::nullopt;
+  if (!orders_->pop(order)) return std::nullopt;
   return order;
 }
 
@@ -94,7 +84,8 @@ void SceneExchange::publish(std::unique_ptr<BuiltScene> scene) {
 }
 
 void SceneExchange::destroy_used() {
-  queues_->used.consume_all([](BuiltScene* scene) { delete scene; });
+  BuiltScene* scene = used_.exchange(nullptr, std::memory_order_acq_rel);
+  while (scene != nullptr) delete std::exchange(scene, scene->used_before);
 }
 
 void SceneExchange::set_phase(std::uint64_t generation, BuildPhase phase) noexcept {

@@ -23,6 +23,7 @@ struct BuiltScene {
   std::uint64_t number;      ///< 1, 2, 3, ... over all
   handover::AssembledScene assembled;
   scene::SceneState state;
+  BuiltScene* used_before = nullptr;  ///< the one that the tick gave back before it
 };
 
 /// How far the builder is with an offer.
@@ -36,17 +37,17 @@ enum class BuildPhase : std::uint8_t {
 
 /// What the builder is told by the tick.
 struct BuildOrder {
-  enum class Kind : std::uint8_t { begin, piece, end };
-  Kind kind = Kind::end;
+  enum class Kind : std::uint8_t { begin, piece };
+  Kind kind = Kind::begin;
   std::uint64_t generation = 0;
-  handover::Announcement announcement{};  ///< begin
+  handover::Announcement announcement{};  ///< begin; of no bytes: nothing is offered
   std::uint32_t number = 0;               ///< piece
   std::uint32_t bytes = 0;                ///< piece; longer ones than ours show by it
   std::array<std::byte, handover::kPieceBytesMax> content{};
 };
 
-/// Between the tick and the builder, which may be on another thread: two bounded queues and some atomic words, without
-/// locks.
+/// Between the tick and the builder, which may be on another thread: a bounded queue, a list and some atomic words,
+/// without locks.
 ///
 /// Real time on the tick's side: noexcept, allocates and frees nothing, never waits.
 class SceneExchange {
@@ -58,18 +59,17 @@ class SceneExchange {
 
   // The tick's side.
 
-  /// Another offer; what comes of the one before does not count any more. False if the builder is behind: to be tried
-  /// again.
+  /// Another offer, or none; what comes of the one before does not count any more. False if the builder is behind: to
+  /// be tried again.
   [[nodiscard]] bool begin(const handover::Announcement& announcement) noexcept;
-  [[nodiscard]] bool end() noexcept;
 
   /// False if there is no room: the piece has to come again.
   [[nodiscard]] bool put(std::uint32_t number, std::span<const std::byte> content) noexcept;
 
-  /// The newest scene of this offer, if there is one that was not taken yet, in place of `last`, which goes back.
-  [[nodiscard]] BuiltScene* take(BuiltScene* last) noexcept;
-  /// False if there is no room for now.
-  [[nodiscard]] bool give_back(BuiltScene* scene) noexcept;
+  /// The newest scene of this offer, to be given back; null: none that was not taken yet.
+  [[nodiscard]] BuiltScene* take() noexcept;
+  /// @param scene null: nothing is done
+  void give_back(BuiltScene* scene) noexcept;
 
   [[nodiscard]] BuildPhase phase() const noexcept;
   void note_place(const scene::Point& place_m) noexcept;
@@ -83,12 +83,13 @@ class SceneExchange {
   [[nodiscard]] scene::Point place_m() const noexcept;
 
  private:
-  struct Queues;
+  struct Orders;
 
-  std::unique_ptr<Queues> queues_;
+  std::unique_ptr<Orders> orders_;
   std::uint64_t generation_ = 0;  // the tick's
   std::atomic<BuiltScene*> fresh_{nullptr};
-  std::atomic<std::uint64_t> phase_{0};  // generation * 8 + phase
+  std::atomic<BuiltScene*> used_{nullptr};  // the one given back last
+  std::atomic<std::uint64_t> phase_{0};     // generation * 8 + phase
   std::array<std::atomic<double>, 3> place_m_{};
   BuildOrder order_;  // the tick's, so that it needs no room on the stack
 };
