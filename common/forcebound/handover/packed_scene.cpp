@@ -30,20 +30,21 @@ Box everywhere() {
 }
 
 /// The values that go beside a geometry: rows and files only where they must be given, and of files the name alone.
-config::Values without_geometry(const scene::NamedValues& shape) {
+config::Values without_geometry(const scene::SceneObject& object) {
   static const scene::Registry kKnown = scene::Registry::standard();
+  const config::Values& values = object.shape_values;
   config::Values rest;
-  for (const config::Parameter& parameter : kKnown.find_shape(shape.name)->parameters) {
+  for (const config::Parameter& parameter : kKnown.find_shape(object.shape_kind)->parameters) {
     const std::string_view key = config::key_of(parameter);
-    if (!shape.values.has(key)) continue;
+    if (!values.has(key)) continue;
     const auto* const text = std::get_if<config::TextParameter>(&parameter);
     const bool is_file = text != nullptr && text->form == config::TextParameter::Form::file;
     const bool replaced = is_file || std::holds_alternative<config::RowsParameter>(parameter);
     if (replaced && config::may_be_left_out(parameter)) continue;
     if (is_file) {
-      rest.set(key, std::filesystem::path(shape.values.text(key)).filename().string());
+      rest.set(key, std::filesystem::path(values.text(key)).filename().string());
     } else {
-      rest.set(key, shape.values.all().find(key)->second);
+      rest.set(key, values.all().find(key)->second);
     }
   }
   return rest;
@@ -198,19 +199,18 @@ class ManifestWriter {
 
  private:
   void add(const scene::SceneObject& from, v1::ScenePart* to) {
-    const scene::PartDescription description = describe(from);
-    to->set_name(description.name);
-    if (description.shape) {
+    to->set_name(from.name);
+    if (from.shape) {
       const scene::ShapeGeometry geometry = from.shape->geometry();
       const bool has_geometry = geometry.kind() != scene::GeometryKind::none;
-      to->set_shape(description.shape->name);
-      fill(has_geometry ? without_geometry(*description.shape) : description.shape->values, to->mutable_shape_values());
+      to->set_shape(from.shape_kind);
+      fill(has_geometry ? without_geometry(from) : from.shape_values, to->mutable_shape_values());
       if (has_geometry) to->set_geometry(add_geometry(geometry));
     }
-    for (const scene::NamedValues& named : description.effects) {
+    for (const scene::RequestedEffect& requested : from.effects) {
       v1::SceneEffect* const effect = to->add_effects();
-      effect->set_name(named.name);
-      fill(named.values, effect->mutable_values());
+      effect->set_name(requested.name);
+      fill(requested.values, effect->mutable_values());
     }
   }
 

@@ -6,7 +6,6 @@
 #include "forcebound/text/printable.hpp"
 
 namespace forcebound::handover {
-
 std::string one_line(const std::string& from) {
   constexpr std::size_t kBytesMax = 200;
   return text::printable(from.substr(0, kBytesMax));
@@ -42,18 +41,17 @@ void check_manifest(const v1::SceneManifest& manifest, const Limits& limits) {
   }
 }
 
-scene::PartDescription field_of(const v1::ScenePart& part) {
-  scene::PartDescription description{.name = one_line(part.name())};
+scene::SceneObject without_shape(const v1::ScenePart& part, bool is_object, const scene::Registry& registry,
+                                 Eigen::Index axes) {
+  scene::SceneObject made{.name = one_line(part.name())};
   for (const v1::SceneEffect& effect : part.effects()) {
-    description.effects.push_back({effect.name(), values_of(effect.values())});
+    add_effect(made, effect_kind(registry, effect.name(), is_object, made), values_of(effect.values()), axes);
   }
-  return description;
-}
-
-scene::PartDescription object_of(const v1::ScenePart& part) {
-  scene::PartDescription description = field_of(part);
-  description.shape = scene::NamedValues{part.shape(), values_of(part.shape_values())};
-  return description;
+  if (!is_object) return made;
+  check_effects(made);
+  made.shape_kind = part.shape();
+  made.shape_values = values_of(part.shape_values());
+  return made;
 }
 
 }  // namespace forcebound::handover

@@ -75,8 +75,8 @@ struct SceneAssembly::Parts {
   [[nodiscard]] Eigen::Index axes() const { return std::max(1, manifest->degrees_of_freedom()); }
   void check_work(const scene::Scene& scene) const;
   scene::SceneObject make_object(std::size_t number, AssembledScene& made);
-  scene::SceneObject make_from_geometry(std::size_t number, const scene::PartDescription& description,
-                                        const GeometryAssembly& geometry, AssembledScene& made);
+  void give_shape(scene::SceneObject& object, std::size_t number, const GeometryAssembly& geometry,
+                  AssembledScene& made);
 };
 
 SceneAssembly::SceneAssembly(const Announcement& announcement, scene::Registry registry, const Limits& limits) {
@@ -185,42 +185,38 @@ double SceneAssembly::known_within_m(const Point& point_m) const {
 
 scene::SceneObject SceneAssembly::Parts::make_object(std::size_t number, AssembledScene& made) {
   const v1::ScenePart& part = manifest->objects(static_cast<int>(number));
-  const scene::PartDescription description = object_of(part);
+  const scene::ShapeKind& kind = scene::shape_kind(registry, part.shape(), axes());
   // Without its geometry, a shape would be made of a file of this machine.
   const bool has_geometry = part.geometry() != 0;
-  if ((scene::shape_kind(registry, part.shape(), axes()).geometry != scene::GeometryKind::none) != has_geometry) {
-    throw HandoverError("object '" + description.name + "': a " + part.shape() + " " +
+  if ((kind.geometry != scene::GeometryKind::none) != has_geometry) {
+    throw HandoverError("object '" + one_line(part.name()) + "': a " + part.shape() + " " +
                         (has_geometry ? "has no geometry" : "needs a geometry"));
   }
   made.coverage.emplace_back();
-  if (!has_geometry) return make_part(description, registry, axes());
-  return make_from_geometry(number, description, geometries[part.geometry() - 1], made);
+  scene::SceneObject object = without_shape(part, true, registry, axes());
+  if (has_geometry) {
+    give_shape(object, number, geometries[part.geometry() - 1], made);
+  } else {
+    set_shape(object, kind, object.shape_values, axes(), {});
+  }
+  return object;
 }
 
-scene::SceneObject SceneAssembly::Parts::make_from_geometry(std::size_t number,
-                                                            const scene::PartDescription& description,
-                                                            const GeometryAssembly& geometry, AssembledScene& made) {
-  scene::SceneObject object{.name = description.name};
-  for (const scene::NamedValues& effect : description.effects) {
-    add_effect(object, effect_kind(registry, effect.name, true, object), effect.values, axes());
-  }
-  check_effects(object);
+void SceneAssembly::Parts::give_shape(scene::SceneObject& object, std::size_t number, const GeometryAssembly& geometry,
+                                      AssembledScene& made) {
   // A distance field is made of all of its mesh.
-  const auto& [kind, values] = *description.shape;
-  const bool usable = geometry.here() > 0 && (geometry.whole() || kind != "distance_field");
-  object.shape_kind = kind;
-  object.shape_values = values;
+  const bool usable = geometry.here() > 0 && (geometry.whole() || object.shape_kind != "distance_field");
   if (!usable) {
     made.coverage.back() = Coverage::nothing();
     object.shape = std::make_unique<NotThereYet>();
-    return object;
+    return;
   }
   Built& last = built[number];
   if (last.pieces != geometry.here()) {
     const auto [so_far, in_fullest_place] = geometry.made(limits);
     if (scene::SearchBudget::abandoned()) throw HandoverError("nobody waits for the scene any more");
     made.elements_built += so_far.mesh ? so_far.mesh->triangles().size() : so_far.heights->heights_m.size();
-    set_shape(object, scene::shape_kind(registry, kind, axes()), values, axes(), {}, so_far);
+    set_shape(object, scene::shape_kind(registry, object.shape_kind, axes()), object.shape_values, axes(), {}, so_far);
     last = {.shape = std::move(object.shape),
             .pieces = geometry.here(),
             .in_fullest_place = in_fullest_place,
@@ -235,7 +231,6 @@ scene::SceneObject SceneAssembly::Parts::make_from_geometry(std::size_t number,
   }
   made.coverage.back() = last.coverage;
   object.shape = std::make_unique<SharedShape>(last.shape);
-  return object;
 }
 
 /// Each limit may be kept, and still all of them together take a tick too long.
@@ -261,7 +256,7 @@ AssembledScene SceneAssembly::build(const std::stop_token& ended) try {
     parts.objects.push_back(p.make_object(static_cast<std::size_t>(i), made));
   }
   for (const v1::ScenePart& field : p.manifest->fields()) {
-    parts.fields.push_back(make_part(field_of(field), p.registry, p.axes()));
+    parts.fields.push_back(without_shape(field, false, p.registry, p.axes()));
     made.coverage.emplace_back();
   }
   made.scene = std::make_shared<const scene::Scene>(std::move(facts), std::move(parts));

@@ -7,13 +7,6 @@
 
 namespace forcebound::scene {
 
-PartDescription describe(const SceneObject& part) {
-  PartDescription description{.name = part.name};
-  if (part.shape) description.shape = {part.shape_kind, part.shape_values};
-  for (const RequestedEffect& effect : part.effects) description.effects.push_back({effect.name, effect.values});
-  return description;
-}
-
 SceneObject make_part(const PartDescription& description, const Registry& registry, Eigen::Index axes,
                       const std::string& folder, const ShapeGeometry& geometry) {
   SceneObject part{.name = description.name};

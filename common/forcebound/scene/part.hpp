@@ -14,21 +14,14 @@ namespace forcebound::scene {
 struct NamedValues {
   std::string name;
   config::Values values{};
-
-  friend bool operator==(const NamedValues&, const NamedValues&) = default;
 };
 
-/// Description of an object or field, as a file or a message gives it.
+/// Description of an object or field, for programs that make their own.
 struct PartDescription {
   std::string name;
   std::optional<NamedValues> shape{};  ///< none: a field
   std::vector<NamedValues> effects{};
-
-  friend bool operator==(const PartDescription&, const PartDescription&) = default;
 };
-
-/// Facts of a part after it was made.
-[[nodiscard]] PartDescription describe(const SceneObject& part);
 
 /// Makes the described part. Every value is checked.
 /// @param axes of the scene, 1 to 3: on the others points are zero, and boxes have no faces
@@ -38,7 +31,8 @@ struct PartDescription {
 [[nodiscard]] SceneObject make_part(const PartDescription& description, const Registry& registry, Eigen::Index axes = 3,
                                     const std::string& folder = {}, const ShapeGeometry& geometry = {});
 
-// The steps of `make_part`, for readers of files, which give the line of an error. They throw as it does.
+// The steps of `make_part`, for readers of files, which give the line of an error, and of messages. They throw as it
+// does.
 
 /// Finds an effect and checks that the part may have it beside those it has.
 /// @param for_object whether it is for an object

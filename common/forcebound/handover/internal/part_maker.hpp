@@ -16,8 +16,8 @@ namespace forcebound::handover {
 /// @throws HandoverError if there are more parts than the limits let through, or one has a geometry that is none
 void check_manifest(const v1::SceneManifest& manifest, const Limits& limits);
 
-/// Of an object without its geometry. `scene::make_part` checks the values.
-[[nodiscard]] scene::PartDescription object_of(const v1::ScenePart& part);
-[[nodiscard]] scene::PartDescription field_of(const v1::ScenePart& part);
+/// A field, or an object that still lacks its shape, whose values are not yet checked. @throws as scene::make_part
+[[nodiscard]] scene::SceneObject without_shape(const v1::ScenePart& part, bool is_object,
+                                               const scene::Registry& registry, Eigen::Index axes);
 
 }  // namespace forcebound::handover

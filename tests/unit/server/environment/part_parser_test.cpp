@@ -16,7 +16,10 @@ std::vector<scene::SceneObject> rebuilt(const std::vector<scene::SceneObject>& p
   std::vector<scene::SceneObject> made;
   made.reserve(parts.size());
   for (const scene::SceneObject& part : parts) {
-    made.push_back(scene::make_part(describe(part), kRegistry, std::max(1, scene.facts().degrees_of_freedom)));
+    scene::PartDescription same{.name = part.name};
+    if (part.shape) same.shape = {part.shape_kind, part.shape_values};
+    for (const scene::RequestedEffect& effect : part.effects) same.effects.push_back({effect.name, effect.values});
+    made.push_back(scene::make_part(same, kRegistry, std::max(1, scene.facts().degrees_of_freedom)));
   }
   return made;
 }
