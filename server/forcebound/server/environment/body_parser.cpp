@@ -137,20 +137,12 @@ TableDescription mjcf_table() {
 }
 
 void parse_shape_of_body(CheckedTable& shape, BodyDescription& body) {
-  using Shape = BodyDescription::Shape;
-  struct Kind {
-    scene::ShapeKind kind;
-    Shape shape;
-  };
-  static const std::array kKinds{Kind{scene::box_shape(), Shape::box}, Kind{scene::sphere_shape(), Shape::sphere},
-                                 Kind{scene::capsule_shape(), Shape::capsule},
-                                 Kind{scene::cylinder_shape(), Shape::cylinder}};
+  static const std::array kKinds{scene::box_shape(), scene::sphere_shape(), scene::capsule_shape(),
+                                 scene::cylinder_shape()};
   config::ChoiceParameter kinds{.key = "kind"};
-  for (const Kind& kind : kKinds) kinds.choices.push_back(kind.kind.name);
-  const std::string name = shape.choice(kinds);
-  const Kind& kind = *std::ranges::find(kKinds, name, [](const Kind& any) { return any.kind.name; });
-  const Values values = shape.all(kind.kind.parameters);
-  body.shape = kind.shape;
+  for (const scene::ShapeKind& kind : kKinds) kinds.choices.push_back(kind.name);
+  body.shape = shape.choice(kinds);
+  const Values values = shape.all(std::ranges::find(kKinds, body.shape, &scene::ShapeKind::name)->parameters);
   if (values.has("radius_m")) body.size_m = scene::Point::Constant(2 * values.number("radius_m"));
   if (values.has("size_m")) body.size_m = values.point("size_m");
   if (values.has("center_m")) {

@@ -21,20 +21,6 @@ constexpr const char* kLeader = "leader";
 constexpr std::size_t kValuesMost = 19;
 constexpr double kNever = -1;  // as an age
 
-Kind kind_of(LinkShape::Kind kind) noexcept {
-  switch (kind) {
-    case LinkShape::Kind::box:
-      return Kind::box;
-    case LinkShape::Kind::sphere:
-      return Kind::sphere;
-    case LinkShape::Kind::capsule:
-      return Kind::capsule;
-    case LinkShape::Kind::cylinder:
-      return Kind::cylinder;
-  }
-  return Kind::box;
-}
-
 /// Square tiles around a round hole, with its side and its bottom; the normal is z.
 scene::VisiblePart plate_with(const WorldObject& hole) {
   constexpr std::uint32_t kCorners = 48;
@@ -138,8 +124,7 @@ FollowerLooks::FollowerLooks(const RobotModel& model, const Task* task, const Fo
   solids_.push_back({.on = Solid::On::leader});
   view::add_frame(shown, kLeader, settings.workspace.motion_scale);
   for (const LinkShape& shape : model.shapes()) {
-    add({.name = shape.name, .kind = kind_of(shape.kind), .half_m = shape.half_m},
-        {.link = shape.link, .place = shape.in_link, .opens_m = shape.opens_m});
+    add(shape.part, {.link = shape.link, .place = shape.in_link, .opens_m = shape.opens_m});
   }
   const auto held = task == nullptr ? std::vector<Held>() : parts_of(task->world->tool);
   for (const Held& part : held) add(part.part, {.on = Solid::On::tool, .place = part.in_tool});

@@ -8,8 +8,10 @@
 #include <span>
 #include <stdexcept>
 #include <string_view>
+#include <utility>
 
 #include "forcebound/server/dynamics/bodies/mujoco.hpp"
+#include "forcebound/server/dynamics/bodies/visible_geometries.hpp"
 #include "forcebound/server/robot/shipped_robots.hpp"
 #include "forcebound/text/numbers.hpp"
 
@@ -84,27 +86,11 @@ std::vector<LinkShape> shapes_of(const mjModel& model, const mjData& start, cons
     const int body = model.geom_bodyid[geom];
     const char* const name = mj_id2name(&model, mjOBJ_GEOM, geom);
     if (name == nullptr) throw std::runtime_error("the arm's MJCF: each geom must have a name");
-    LinkShape shape{.name = name, .link = link_of_body[static_cast<std::size_t>(body)]};
-    const Eigen::Vector3d size = vector_at(model.geom_size, geom);
-    const bool has_length = model.geom_type[geom] == mjGEOM_CAPSULE || model.geom_type[geom] == mjGEOM_CYLINDER;
-    shape.half_m = has_length ? Eigen::Vector3d(size.x(), size.x(), size.y()) : size;
-    switch (model.geom_type[geom]) {
-      case mjGEOM_BOX:
-        shape.kind = LinkShape::Kind::box;
-        break;
-      case mjGEOM_SPHERE:
-        shape.kind = LinkShape::Kind::sphere;
-        break;
-      case mjGEOM_CAPSULE:
-        shape.kind = LinkShape::Kind::capsule;
-        break;
-      case mjGEOM_CYLINDER:
-        shape.kind = LinkShape::Kind::cylinder;
-        break;
-      default:
-        throw std::runtime_error("the arm's MJCF: geom '" + shape.name +
-                                 "' must be a box, sphere, capsule or cylinder");
-    }
+    auto part = shape_of(model, geom);
+    if (!part)
+      throw std::runtime_error("the arm's MJCF: geom '" + std::string(name) + "' must be of a kind that is drawn");
+    part->name = name;
+    LinkShape shape{.part = *std::move(part), .link = link_of_body[static_cast<std::size_t>(body)]};
     const Eigen::Isometry3d place =
         frame_of(start.xpos, start.xquat, body) * frame_of(model.geom_pos, model.geom_quat, geom);
     shape.in_link = shape.link < 0 ? place : frames[static_cast<std::size_t>(shape.link)].inverse() * place;

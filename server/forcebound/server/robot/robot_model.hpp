@@ -3,12 +3,12 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <array>
-#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "forcebound/control/vector.hpp"
+#include "forcebound/scene/visible_part.hpp"
 
 namespace forcebound::server {
 
@@ -48,13 +48,9 @@ using LinkFrames = std::array<Eigen::Isometry3d, control::kJointsMax>;
 
 /// A part of a robot as a picture shows it; nothing touches it.
 struct LinkShape {
-  enum class Kind : std::uint8_t { box, sphere, capsule, cylinder };
-  std::string name;
-  Kind kind = Kind::box;
-  int link = -1;  ///< that it is fixed to; -1: the base
+  scene::VisiblePart part;  ///< a solid in its own frame
+  int link = -1;            ///< that it is fixed to; -1: the base
   Eigen::Isometry3d in_link{Eigen::Isometry3d::Identity()};
-  /// A box's half edges; else the radius, and of capsule and cylinder half of their straight part along z.
-  Eigen::Vector3d half_m{Eigen::Vector3d::Zero()};
   Eigen::Vector3d opens_m{Eigen::Vector3d::Zero()};  ///< moves it in the link's frame where the gripper is open
 };
 

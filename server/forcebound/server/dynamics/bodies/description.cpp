@@ -42,21 +42,11 @@ std::string name_in_mjcf(const std::string& name) {
 
 std::string geometry(const BodyDescription& body) {
   const scene::Point half = 0.5 * body.size_m;
-  const auto along = [&](const char* type) {
-    return "type=\"" + std::string(type) + "\" size=\"" + to_text(half.x()) + "\" fromto=\"" +
-           numbers(-body.half_axis_m) + " " + numbers(body.half_axis_m) + "\"";
-  };
-  switch (body.shape) {
-    case BodyDescription::Shape::box:
-      return "type=\"box\" size=\"" + numbers(half) + "\"";
-    case BodyDescription::Shape::sphere:
-      return "type=\"sphere\" size=\"" + to_text(half.x()) + "\"";
-    case BodyDescription::Shape::capsule:
-      return along("capsule");
-    case BodyDescription::Shape::cylinder:
-      return along("cylinder");
-  }
-  return {};
+  const std::string begin = "type=\"" + body.shape + "\" size=\"";
+  if (body.shape == "box") return begin + numbers(half) + "\"";
+  if (body.shape == "sphere") return begin + to_text(half.x()) + "\"";
+  return begin + to_text(half.x()) + "\" fromto=\"" + numbers(-body.half_axis_m) + " " + numbers(body.half_axis_m) +
+         "\"";
 }
 
 std::string to_mjcf(const BodyDescription& body) {

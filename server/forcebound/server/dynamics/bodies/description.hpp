@@ -14,10 +14,8 @@ namespace forcebound::server {
 
 /// One rigid body of a scene, a solid of one density.
 struct BodyDescription {
-  enum class Shape { box, sphere, capsule, cylinder };
-
   std::string name;
-  Shape shape = Shape::box;
+  std::string shape = "box";                        ///< in scene files and in MJCF alike; or sphere, capsule, cylinder
   scene::Point size_m = scene::Point::Zero();       ///< box: its edges; else: three times its diameter
   scene::Point half_axis_m = scene::Point::Zero();  ///< capsule, cylinder: from the middle to an end
   double mass_kg = 0;                               ///< > 0; 0: fixed

@@ -69,18 +69,24 @@ std::vector<int> visible_geometries(const mjModel_& model, const std::vector<int
   return found;
 }
 
-scene::VisiblePart part_of(const mjModel_& model, const mjData_& data, int geometry) {
-  std::array<float, scene::kNumbersOfSolid> place{};
-  put_place(data, geometry, place.data());
+std::optional<scene::VisiblePart> shape_of(const mjModel_& model, int geometry) {
+  const auto kind = kind_of(model.geom_type[geometry]);
+  if (!kind) return std::nullopt;
   const double* const size = model.geom_size + 3 * geometry;
-  scene::VisiblePart part{.name = name_of(model, geometry),
-                          .kind = *kind_of(model.geom_type[geometry]),
-                          .half_m = scene::Point(size[0], size[1], size[2]),
-                          .place_m = scene::Point(place[0], place[1], place[2]),
-                          .turn = Eigen::Quaterniond(place[3], place[4], place[5], place[6])};
+  scene::VisiblePart part{.name = {}, .kind = *kind, .half_m = scene::Point(size[0], size[1], size[2])};
   // A capsule and a cylinder have their half length second.
   if (part.kind == Kind::capsule || part.kind == Kind::cylinder) part.half_m.z() = size[1];
   if (part.kind == Kind::mesh) add_mesh(model, model.geom_dataid[geometry], part);
+  return part;
+}
+
+scene::VisiblePart part_of(const mjModel_& model, const mjData_& data, int geometry) {
+  std::array<float, scene::kNumbersOfSolid> place{};
+  put_place(data, geometry, place.data());
+  scene::VisiblePart part = *shape_of(model, geometry);
+  part.name = name_of(model, geometry);
+  part.place_m = scene::Point(place[0], place[1], place[2]);
+  part.turn = Eigen::Quaterniond(place[3], place[4], place[5], place[6]);
   return part;
 }
 

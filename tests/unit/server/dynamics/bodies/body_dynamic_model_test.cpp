@@ -310,7 +310,7 @@ TEST(BodyDynamicModel, IsTriedWhereADeviceMeetsItFromAbove) {
   EXPECT_LT((at({floor_plate(), cube(0.1, {0, 0, 0.02})}) - scene::Point(0, 0, 0.04)).norm(), 1e-12)
       << "the floor's middle is covered";
   const BodyDescription upright{.name = "rod",
-                                .shape = BodyDescription::Shape::capsule,
+                                .shape = "capsule",
                                 .size_m = scene::Point::Constant(0.02),
                                 .half_axis_m = {0, 0, 0.1},
                                 .mass_kg = 1,
