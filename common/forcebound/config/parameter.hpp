@@ -39,6 +39,13 @@ struct NumberParameter {
   std::string_view absent{};
 };
 
+/// A number > 0 and <= `most`; without a preset it must be given.
+[[nodiscard]] inline NumberParameter positive_number(std::string_view key, std::string_view meaning,
+                                                     double most = std::numeric_limits<double>::infinity(),
+                                                     std::optional<double> preset = {}) {
+  return {.key = key, .meaning = meaning, .preset = preset, .least = 0, .least_excluded = true, .most = most};
+}
+
 /// A position, velocity, force or size; or a direction of nonzero length. One number per axis of the scene.
 struct PointParameter {
   using Type = Eigen::Vector3d;

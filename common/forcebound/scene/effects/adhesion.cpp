@@ -49,28 +49,24 @@ class Adhesion final : public Effect {
 }  // namespace
 
 EffectKind adhesion_effect() {
-  return {
-      .name = "adhesion",
-      .purpose = "sticks to the point: it must be torn off, and holds sideways",
-      .law = "f = -n K h - f_t above the surface that was touched, until K h > tear_N",
-      .parameters =
-          {NumberParameter{.key = "stiffness_N_per_m",
-                           .meaning = "K, along the normal",
-                           .least = 0,
-                           .least_excluded = true,
-                           .most = 1e9},
-           NumberParameter{
-               .key = "tear_N", .meaning = "force at which it tears", .least = 0, .least_excluded = true, .most = 1e6},
-           NumberParameter{.key = "shear_stiffness_N_per_m",
-                           .meaning = "sideways",
-                           .preset = 0,
-                           .least = 0,
-                           .least_excluded = true,
-                           .most = 1e9,
-                           .absent = "K"},
-           NumberParameter{
-               .key = "shear_N", .meaning = "sideways force at which it slips", .preset = 0, .least = 0, .most = 1e6}},
-      .make = [](const Values& values) { return std::make_unique<Adhesion>(values); }};
+  return {.name = "adhesion",
+          .purpose = "sticks to the point: it must be torn off, and holds sideways",
+          .law = "f = -n K h - f_t above the surface that was touched, until K h > tear_N",
+          .parameters = {positive_number("stiffness_N_per_m", "K, along the normal", 1e9),
+                         positive_number("tear_N", "force at which it tears", 1e6),
+                         NumberParameter{.key = "shear_stiffness_N_per_m",
+                                         .meaning = "sideways",
+                                         .preset = 0,
+                                         .least = 0,
+                                         .least_excluded = true,
+                                         .most = 1e9,
+                                         .absent = "K"},
+                         NumberParameter{.key = "shear_N",
+                                         .meaning = "sideways force at which it slips",
+                                         .preset = 0,
+                                         .least = 0,
+                                         .most = 1e6}},
+          .make = [](const Values& values) { return std::make_unique<Adhesion>(values); }};
 }
 
 }  // namespace forcebound::scene

@@ -79,27 +79,12 @@ std::vector<Parameter> parameters() {
                           .choices = {"sine", "square", "triangle", "sawtooth", "pulse", "chirp"}},
           PointParameter{.key = "direction", .meaning = "e, where it pushes to", .is_direction = true},
           NumberParameter{.key = "amplitude_N", .meaning = "A, from mean to peak", .least = 0, .most = 1e6},
-          NumberParameter{.key = "frequency_Hz",
-                          .meaning = "f0, how often; of a chirp, at its start",
-                          .least = 0,
-                          .least_excluded = true,
-                          .most = 1e6},
-          NumberParameter{.key = "frequency_end_Hz",
-                          .meaning = "f1, of a chirp, at its end",
-                          .preset = kNotGiven,
-                          .least = 0,
-                          .least_excluded = true,
-                          .most = 1e6},
+          positive_number("frequency_Hz", "f0, how often; of a chirp, at its start", 1e6),
+          positive_number("frequency_end_Hz", "f1, of a chirp, at its end", 1e6, kNotGiven),
           NumberParameter{.key = "phase_rad", .meaning = "phase at t0", .preset = 0, .least = -1e6, .most = 1e6},
           NumberParameter{.key = "start_s", .meaning = "t0, after the first motion", .preset = 0, .least = 0},
-          NumberParameter{
-              .key = "duration_s", .meaning = "D, duration", .preset = kForever, .least = 0, .least_excluded = true},
-          NumberParameter{.key = "duty",
-                          .meaning = "share of the period for which a square or pulse is on",
-                          .preset = kDutyPreset,
-                          .least = 0,
-                          .least_excluded = true,
-                          .most = 1}};
+          positive_number("duration_s", "D, duration", kForever, kForever),
+          positive_number("duty", "share of the period for which a square or pulse is on", 1, kDutyPreset)};
 }
 
 }  // namespace

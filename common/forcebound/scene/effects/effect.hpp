@@ -19,6 +19,7 @@ using config::FlagParameter;
 using config::NumberParameter;
 using config::Parameter;
 using config::PointParameter;
+using config::positive_number;
 using config::Values;
 using control::Handle;
 

@@ -55,12 +55,7 @@ EffectKind friction_effect() {
                                .least = 0,
                                .most = 100,
                                .absent = "mu_s"},
-               NumberParameter{.key = "stiffness_N_per_m",
-                               .meaning = "of the bristle, before it slips",
-                               .preset = 1000,
-                               .least = 0,
-                               .least_excluded = true,
-                               .most = 1e9},
+               positive_number("stiffness_N_per_m", "of the bristle, before it slips", 1e9, 1000),
                NumberParameter{
                    .key = "damping_N_s_per_m", .meaning = "of the bristle", .preset = 0, .least = 0, .most = 1e6}},
           .make = [](const Values& values) { return std::make_unique<Friction>(values); }};

@@ -29,22 +29,16 @@ EffectFacts GuideSpring::facts() const {
 }
 
 std::vector<Parameter> GuideSpring::parameters(std::vector<Parameter> own) {
-  own.insert(own.end(), {NumberParameter{.key = "stiffness_N_per_m",
-                                         .meaning = "K, outside of the dead zone",
-                                         .least = 0,
-                                         .least_excluded = true,
-                                         .most = 1e9},
-                         NumberParameter{.key = "damping_N_s_per_m",
-                                         .meaning = "B, of the motion away from, toward and around the guide",
-                                         .preset = 0,
-                                         .least = 0,
-                                         .most = 1e6},
-                         NumberParameter{.key = "radius_m", .meaning = "R, of the dead zone", .preset = 0, .least = 0},
-                         NumberParameter{.key = "force_N_max",
-                                         .meaning = "F, limits the spring and the damper separately",
-                                         .preset = std::numeric_limits<double>::infinity(),
-                                         .least = 0,
-                                         .least_excluded = true}});
+  own.insert(own.end(),
+             {positive_number("stiffness_N_per_m", "K, outside of the dead zone", 1e9),
+              NumberParameter{.key = "damping_N_s_per_m",
+                              .meaning = "B, of the motion away from, toward and around the guide",
+                              .preset = 0,
+                              .least = 0,
+                              .most = 1e6},
+              NumberParameter{.key = "radius_m", .meaning = "R, of the dead zone", .preset = 0, .least = 0},
+              positive_number("force_N_max", "F, limits the spring and the damper separately",
+                              std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity())});
   return own;
 }
 

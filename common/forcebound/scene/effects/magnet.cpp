@@ -29,16 +29,8 @@ EffectKind magnet_effect() {
   return {.name = "magnet",
           .purpose = "draws the point to the surface from a distance",
           .law = "f = -n F 27/4 s (1 - s)^2, s = distance above / range",
-          .parameters = {NumberParameter{.key = "force_N_max",
-                                         .meaning = "F, at a third of the range",
-                                         .least = 0,
-                                         .least_excluded = true,
-                                         .most = 1e6},
-                         NumberParameter{.key = "range_m",
-                                         .meaning = "distance above the surface at which it ends",
-                                         .least = 0,
-                                         .least_excluded = true,
-                                         .most = 1e3}},
+          .parameters = {positive_number("force_N_max", "F, at a third of the range", 1e6),
+                         positive_number("range_m", "distance above the surface at which it ends", 1e3)},
           .make = [](const Values& values) { return std::make_unique<Magnet>(values); }};
 }
 

@@ -42,16 +42,8 @@ EffectKind stick_slip_effect() {
   return {.name = "stick_slip",
           .purpose = "sticks and slips in jerks",
           .law = "f = -K (x - a) in the tangent plane; the anchor a jumps to x when |f| would exceed slip_N",
-          .parameters = {NumberParameter{.key = "stiffness_N_per_m",
-                                         .meaning = "K, while it sticks",
-                                         .least = 0,
-                                         .least_excluded = true,
-                                         .most = 1e9},
-                         NumberParameter{.key = "slip_N",
-                                         .meaning = "force at which it slips",
-                                         .least = 0,
-                                         .least_excluded = true,
-                                         .most = 1e6}},
+          .parameters = {positive_number("stiffness_N_per_m", "K, while it sticks", 1e9),
+                         positive_number("slip_N", "force at which it slips", 1e6)},
           .make = [](const Values& values) { return std::make_unique<StickSlip>(values); }};
 }
 

@@ -41,11 +41,7 @@ EffectKind surface_effect() {
           .purpose = "pushes out of the object, like a spring and a damper",
           .law = "f = n max(0, K d + G d^2 - B v.n) while the depth d > 0",
           .parameters =
-              {NumberParameter{.key = "stiffness_N_per_m",
-                               .meaning = "K, along the normal",
-                               .least = 0,
-                               .least_excluded = true,
-                               .most = 1e9},
+              {positive_number("stiffness_N_per_m", "K, along the normal", 1e9),
                NumberParameter{
                    .key = "damping_N_s_per_m", .meaning = "B, along the normal", .preset = 0, .least = 0, .most = 1e6},
                NumberParameter{.key = "stiffening_N_per_m2",

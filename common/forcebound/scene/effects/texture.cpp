@@ -44,11 +44,7 @@ EffectKind texture_effect() {
           .purpose = "ripples, rendered at the device at its own rate",
           .law = "f = n A mean_i sin(k_i . x) at the device's own position x, |k_i| = 2 pi / wavelength",
           .parameters =
-              {NumberParameter{.key = "amplitude_N",
-                               .meaning = "A, from mean to peak",
-                               .least = 0,
-                               .least_excluded = true,
-                               .most = 1e6},
+              {positive_number("amplitude_N", "A, from mean to peak", 1e6),
                NumberParameter{.key = "wavelength_m", .meaning = "from ridge to ridge", .least = 1e-6, .most = 1e3},
                PointParameter{
                    .key = "direction", .meaning = "across the ridges", .preset = Point::UnitX(), .is_direction = true},

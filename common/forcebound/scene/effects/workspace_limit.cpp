@@ -57,22 +57,20 @@ class WorkspaceLimit final : public Effect {
 }  // namespace
 
 EffectKind workspace_limit_effect() {
-  return {
-      .name = "workspace_limit",
-      .purpose = "holds the device within a region",
-      .law = "f = -n max(0, K d + B v.n) while the distance outside d > 0",
-      .place = EffectPlace::space,
-      .parameters =
-          {PointParameter{.key = "center_m", .meaning = "of the region"},
-           NumberParameter{
-               .key = "radius_m", .meaning = "of a ball", .preset = kUnlimited, .least = 0, .least_excluded = true},
-           PointParameter{.key = "size_m",
-                          .meaning = "of a block along the axes, edge to edge",
-                          .preset = Point::Constant(kUnlimited)},
-           NumberParameter{.key = "stiffness_N_per_m", .meaning = "K", .least = 0, .least_excluded = true, .most = 1e9},
-           NumberParameter{
-               .key = "damping_N_s_per_m", .meaning = "B, along the normal", .preset = 0, .least = 0, .most = 1e6}},
-      .make = [](const Values& values) { return std::make_unique<WorkspaceLimit>(values); }};
+  return {.name = "workspace_limit",
+          .purpose = "holds the device within a region",
+          .law = "f = -n max(0, K d + B v.n) while the distance outside d > 0",
+          .place = EffectPlace::space,
+          .parameters =
+              {PointParameter{.key = "center_m", .meaning = "of the region"},
+               positive_number("radius_m", "of a ball", kUnlimited, kUnlimited),
+               PointParameter{.key = "size_m",
+                              .meaning = "of a block along the axes, edge to edge",
+                              .preset = Point::Constant(kUnlimited)},
+               positive_number("stiffness_N_per_m", "K", 1e9),
+               NumberParameter{
+                   .key = "damping_N_s_per_m", .meaning = "B, along the normal", .preset = 0, .least = 0, .most = 1e6}},
+          .make = [](const Values& values) { return std::make_unique<WorkspaceLimit>(values); }};
 }
 
 }  // namespace forcebound::scene

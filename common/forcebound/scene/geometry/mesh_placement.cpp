@@ -47,12 +47,7 @@ config::PointParameter rotation_parameter(std::string_view meaning) {
 }
 
 std::vector<config::Parameter> placement_parameters() {
-  return {config::NumberParameter{.key = "scale",
-                                  .meaning = "metres per unit of the file",
-                                  .preset = 1,
-                                  .least = 0,
-                                  .least_excluded = true,
-                                  .most = 1e9},
+  return {config::positive_number("scale", "metres per unit of the file", 1e9, 1),
           rotation_parameter("roll, pitch and yaw: turned about the scene's x, then y, then z axis, after `scale`"),
           place_parameter("offset_m", "added to every vertex, after `rotation_deg`", Point::Zero())};
 }

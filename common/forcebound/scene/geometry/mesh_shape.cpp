@@ -99,12 +99,8 @@ std::vector<config::Parameter> mesh_parameters(const std::vector<config::Paramet
   std::vector<config::Parameter> all{
       config::TextParameter{.key = "file", .meaning = "OBJ, STL or OFF", .form = config::TextParameter::Form::file}};
   for (const config::Parameter& parameter : placement_parameters()) all.push_back(parameter);
-  all.emplace_back(config::NumberParameter{.key = "detail",
-                                           .meaning = "share of the triangles to keep; below 1 of closed meshes only",
-                                           .preset = 1,
-                                           .least = 0,
-                                           .least_excluded = true,
-                                           .most = 1});
+  all.emplace_back(
+      config::positive_number("detail", "share of the triangles to keep; below 1 of closed meshes only", 1, 1));
   all.insert(all.end(), own.begin(), own.end());
   return all;
 }

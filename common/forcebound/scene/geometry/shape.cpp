@@ -127,7 +127,7 @@ std::unique_ptr<Shape> make_box(const Point& center_m, const Point& size_m) {
 }
 
 config::NumberParameter positive_length(std::string_view key, std::string_view meaning) {
-  return {.key = key, .meaning = meaning, .least = 0, .least_excluded = true, .most = kLengthMost_m};
+  return config::positive_number(key, meaning, kLengthMost_m);
 }
 
 config::PointParameter place_parameter(std::string_view key, std::string_view meaning,

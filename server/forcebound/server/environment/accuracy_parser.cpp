@@ -8,6 +8,7 @@ namespace {
 
 using config::NumberParameter;
 using config::OtherParameter;
+using config::positive_number;
 
 scene::AccuracyLevel parse_level(config::CheckedTable& level, const std::string& key, const CompileLevel& compile,
                                  const scene::MeasureCost& measure) {
@@ -43,12 +44,10 @@ config::TableDescription accuracy_table() {
                              .meaning = "what the levels differ in: `tissue.pad.shape.cells` is the key `cells` of "
                                         "the `shape` of the `[[tissue]]` named `pad`",
                              .accepted = "a key of this file"},
-       NumberParameter{.key = "change_per_s",
-                       .meaning = "how fast the force changes: the RMS of its rate over its own, for the motion "
-                                  "the scene is made for",
-                       .least = 0,
-                       .least_excluded = true,
-                       .most = 1e4},
+       positive_number("change_per_s",
+                       "how fast the force changes: the RMS of its rate over its own, for the motion "
+                       "the scene is made for",
+                       1e4),
        NumberParameter{.key = "extrapolation_per_s",
                        .meaning = "the same of what a local model misses, for clients that render locally; "
                                   "`accuracy --rendering local` measures it",

@@ -12,6 +12,7 @@ using config::CheckedTable;
 using config::NumberParameter;
 using config::OtherParameter;
 using config::Parameter;
+using config::positive_number;
 using config::TableDescription;
 using config::TextParameter;
 using config::Values;
@@ -44,10 +45,7 @@ TableDescription tissue_table() {
                       .meaning = "what does not move, where the tissue lies in the scene: the nodes on or below a "
                                  "plane, by the keys of a [half_space](#half_space), or those in a block, by the keys "
                                  "of a [box](#box)"},
-       NumberParameter{.key = "young_Pa",
-                       .meaning = "Young's modulus: 1e3 for brain, 1e4 for liver, 1e5 for skin",
-                       .least = 0,
-                       .least_excluded = true},
+       positive_number("young_Pa", "Young's modulus: 1e3 for brain, 1e4 for liver, 1e5 for skin"),
        NumberParameter{.key = "poisson",
                        .meaning = "Poisson's ratio; what is above 0.45 locks, and `--explain` says so",
                        .least = 0,
@@ -150,10 +148,7 @@ ProbeOptions probe_of(const Values& values) {
   if (!values.has("contact_stiffness_N_per_m")) return probe;
   probe.contact_stiffness_N_per_m = values.number("contact_stiffness_N_per_m");
   if (!is_tied) return probe;
-  (void)checked(NumberParameter{.key = "contact_stiffness_N_per_m",
-                                .least = 0,
-                                .least_excluded = true,
-                                .most = CorotationalOptions::kContactStiffnessMost_N_per_m},
+  (void)checked(positive_number("contact_stiffness_N_per_m", "", CorotationalOptions::kContactStiffnessMost_N_per_m),
                 probe.contact_stiffness_N_per_m);
   return probe;
 }
