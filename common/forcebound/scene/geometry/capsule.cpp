@@ -41,15 +41,6 @@ std::unique_ptr<Shape> make_capsule(const Point& from_m, const Point& to_m, doub
   return std::make_unique<Capsule>(LineSegment(from_m, to_m), radius_m);
 }
 
-ShapeKind capsule_shape() {
-  return {.name = "capsule",
-          .description = "A rod with round ends; at least 2 axes.",
-          .axes_least = 2,
-          .parameters = straight_parameters(),
-          .make = [](const config::Values& values, const ShapePurpose&) {
-            check_straight(values);
-            return make_capsule(values.point("from_m"), values.point("to_m"), values.number("radius_m"));
-          }};
-}
+ShapeKind capsule_shape() { return straight_shape("capsule", "A rod with round ends; at least 2 axes.", make_capsule); }
 
 }  // namespace forcebound::scene

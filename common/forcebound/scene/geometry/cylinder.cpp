@@ -53,14 +53,7 @@ std::unique_ptr<Shape> make_cylinder(const Point& from_m, const Point& to_m, dou
 }
 
 ShapeKind cylinder_shape() {
-  return {.name = "cylinder",
-          .description = "A rod with flat ends; at least 2 axes, where it is a rectangle.",
-          .axes_least = 2,
-          .parameters = straight_parameters(),
-          .make = [](const config::Values& values, const ShapePurpose&) {
-            check_straight(values);
-            return make_cylinder(values.point("from_m"), values.point("to_m"), values.number("radius_m"));
-          }};
+  return straight_shape("cylinder", "A rod with flat ends; at least 2 axes, where it is a rectangle.", make_cylinder);
 }
 
 }  // namespace forcebound::scene

@@ -25,37 +25,17 @@ class HalfSpace final : public Shape {
   Point normal_;
 };
 
-class Sphere final : public Shape {
+/// A filled ball, or all but that.
+template <bool kHollow>
+class Ball final : public Shape {
  public:
-  Sphere(const Point& center_m, double radius_m) : center_m_(center_m), radius_m_(radius_m) {}
+  Ball(const Point& center_m, double radius_m) : center_m_(center_m), radius_m_(radius_m) {}
 
   SurfacePoint nearest(const Point& position_m, std::byte* state) const noexcept override {
-    const Point out = position_m - center_m_;
+    const Point out = kHollow ? Point(center_m_ - position_m) : Point(position_m - center_m_);
     const double distance_m = out.stableNorm();
-    return LastNormal::in(state).along(out, distance_m, kRounding * radius_m_, radius_m_ - distance_m);
-  }
-
-  ShapeFacts facts() const override {
-    return {.state_bytes = sizeof(LastNormal),
-            .memory_bytes = sizeof *this,
-            .cost_ns = 12,
-            .on_surface_m = center_m_ + radius_m_ * Point::UnitX(),
-            .bounds_m = bounds_about(center_m_, Point::Constant(radius_m_))};
-  }
-
- private:
-  Point center_m_;
-  double radius_m_;
-};
-
-class Cavity final : public Shape {
- public:
-  Cavity(const Point& center_m, double radius_m) : center_m_(center_m), radius_m_(radius_m) {}
-
-  SurfacePoint nearest(const Point& position_m, std::byte* state) const noexcept override {
-    const Point in = center_m_ - position_m;
-    const double distance_m = in.stableNorm();
-    return LastNormal::in(state).along(in, distance_m, kRounding * radius_m_, distance_m - radius_m_);
+    const double penetration_m = kHollow ? distance_m - radius_m_ : radius_m_ - distance_m;
+    return LastNormal::in(state).along(out, distance_m, kRounding * radius_m_, penetration_m);
   }
 
   ShapeFacts facts() const override {
@@ -104,8 +84,15 @@ class Box final : public Shape {
   Point half_m_;
 };
 
-std::vector<config::Parameter> round_parameters() {
-  return {place_parameter("center_m", "its center"), positive_length("radius_m", "from the center to the surface")};
+ShapeKind ball_shape(std::string_view name, std::string_view description,
+                     std::unique_ptr<Shape> (*make)(const Point& center_m, double radius_m)) {
+  return {.name = name,
+          .description = description,
+          .parameters = {place_parameter("center_m", "its center"),
+                         positive_length("radius_m", "from the center to the surface")},
+          .make = [make](const config::Values& values, const ShapePurpose&) {
+            return make(values.point("center_m"), values.number("radius_m"));
+          }};
 }
 
 }  // namespace
@@ -115,11 +102,11 @@ std::unique_ptr<Shape> make_half_space(const Point& through_m, const Point& norm
 }
 
 std::unique_ptr<Shape> make_sphere(const Point& center_m, double radius_m) {
-  return std::make_unique<Sphere>(center_m, radius_m);
+  return std::make_unique<Ball<false>>(center_m, radius_m);
 }
 
 std::unique_ptr<Shape> make_cavity(const Point& center_m, double radius_m) {
-  return std::make_unique<Cavity>(center_m, radius_m);
+  return std::make_unique<Ball<true>>(center_m, radius_m);
 }
 
 std::unique_ptr<Shape> make_box(const Point& center_m, const Point& size_m) {
@@ -133,11 +120,6 @@ config::NumberParameter positive_length(std::string_view key, std::string_view m
 config::PointParameter place_parameter(std::string_view key, std::string_view meaning,
                                        const std::optional<Point>& preset) {
   return {.key = key, .meaning = meaning, .preset = preset, .each = {.least = -kLengthMost_m, .most = kLengthMost_m}};
-}
-
-std::vector<config::Parameter> straight_parameters() {
-  return {place_parameter("from_m", "one end of the axis"), place_parameter("to_m", "the other end"),
-          positive_length("radius_m", "around it")};
 }
 
 void check_straight(const config::Values& values) {
@@ -155,21 +137,21 @@ ShapeKind half_space_shape() {
           }};
 }
 
-ShapeKind sphere_shape() {
-  return {.name = "sphere",
-          .description = "A ball; a disc on two axes.",
-          .parameters = round_parameters(),
-          .make = [](const config::Values& values, const ShapePurpose&) {
-            return make_sphere(values.point("center_m"), values.number("radius_m"));
-          }};
-}
+ShapeKind sphere_shape() { return ball_shape("sphere", "A ball; a disc on two axes.", make_sphere); }
 
 ShapeKind cavity_shape() {
-  return {.name = "cavity",
-          .description = "Everything but a ball: the inside of a sphere or circle.",
-          .parameters = round_parameters(),
-          .make = [](const config::Values& values, const ShapePurpose&) {
-            return make_cavity(values.point("center_m"), values.number("radius_m"));
+  return ball_shape("cavity", "Everything but a ball: the inside of a sphere or circle.", make_cavity);
+}
+
+ShapeKind straight_shape(std::string_view name, std::string_view description, MakeStraight make) {
+  return {.name = name,
+          .description = description,
+          .axes_least = 2,
+          .parameters = {place_parameter("from_m", "one end of the axis"), place_parameter("to_m", "the other end"),
+                         positive_length("radius_m", "around it")},
+          .make = [make](const config::Values& values, const ShapePurpose&) {
+            check_straight(values);
+            return make(values.point("from_m"), values.point("to_m"), values.number("radius_m"));
           }};
 }
 

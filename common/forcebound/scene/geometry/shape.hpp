@@ -105,8 +105,9 @@ inline constexpr double kLengthMost_m = 1e3;
 [[nodiscard]] config::PointParameter place_parameter(std::string_view key, std::string_view meaning,
                                                      const std::optional<Point>& preset = {});
 
-/// Keys of a shape between two points: `from_m`, `to_m` and `radius_m`.
-[[nodiscard]] std::vector<config::Parameter> straight_parameters();
+/// A shape between two points, of keys `from_m`, `to_m` and `radius_m`.
+using MakeStraight = std::unique_ptr<Shape> (*)(const Point& from_m, const Point& to_m, double radius_m);
+[[nodiscard]] ShapeKind straight_shape(std::string_view name, std::string_view description, MakeStraight make);
 
 /// @throws config::ValueError if `from_m` equals `to_m`
 void check_straight(const config::Values& values);
