@@ -205,4 +205,9 @@ bool is_same_path(const fs::path& one, const fs::path& other) {
   return whole(one) == whole(other);
 }
 
+fs::path program_path() {
+  std::error_code ignored;
+  return fs::read_symlink("/proc/self/exe", ignored);
+}
+
 }  // namespace forcebound::text

@@ -49,4 +49,7 @@ void expect_writable(const std::string& path);
 /// Whether both name one file, there or not yet: by links, by several names, or by other ways to its folder.
 [[nodiscard]] bool is_same_path(const std::filesystem::path& one, const std::filesystem::path& other);
 
+/// The file that this process runs; empty: not known.
+[[nodiscard]] std::filesystem::path program_path();
+
 }  // namespace forcebound::text

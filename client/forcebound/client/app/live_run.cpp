@@ -27,6 +27,7 @@
 #include "forcebound/client/page/relay_control.hpp"
 #include "forcebound/page/page_server.hpp"
 #include "forcebound/program/command_line.hpp"
+#include "forcebound/text/file.hpp"
 #include "forcebound/text/terminal.hpp"
 #include "forcebound/time/steady_clock.hpp"
 #include "forcebound/view/shown_scene.hpp"
@@ -39,11 +40,6 @@ std::string level_of(const EventWords& words) {
   return words.level == spdlog::level::warn ? "warning" : "info";
 }
 
-std::string program_path() {
-  std::error_code ignored;
-  return std::filesystem::read_symlink("/proc/self/exe", ignored).string();
-}
-
 class LiveRun {
  public:
   LiveRun(const Options& options, const control::LawRegistry& laws, const device::DeviceRegistry& devices,
@@ -54,8 +50,8 @@ class LiveRun {
       relay_.emplace(options.relay_control, clock_);
       network_ = relay_->network();
     }
-    const page::PageServer::Settings settings = page::page_settings(*options.page, program_path());
-    if (const std::string why = page::missing_page(program_path()); !why.empty()) spdlog::warn("{}", why);
+    const page::PageServer::Settings settings = page::page_settings(*options.page, text::program_path());
+    if (const std::string why = page::missing_page(text::program_path()); !why.empty()) spdlog::warn("{}", why);
     server_.emplace(settings, page_);
     std::fputs(("page: " + page::printed_address(server_->address()) + "\n").c_str(), stdout);
     std::fflush(stdout);

@@ -9,6 +9,8 @@
 #include <string>
 #include <system_error>
 
+#include "forcebound/text/file.hpp"
+
 namespace forcebound::client::commands {
 
 bool is_program(std::string_view command) noexcept {
@@ -18,8 +20,7 @@ bool is_program(std::string_view command) noexcept {
 void become_program(std::span<char*> arguments) {
   std::string name = std::string("forcebound-") + arguments.front();
   arguments.front() = name.data();
-  std::error_code unknown;
-  const std::filesystem::path folder = std::filesystem::read_symlink("/proc/self/exe", unknown).parent_path();
+  const std::filesystem::path folder = text::program_path().parent_path();
   if (!folder.empty()) ::execv((folder / name).c_str(), arguments.data());
   if (folder.empty() || errno == ENOENT) ::execvp(name.c_str(), arguments.data());
   throw std::runtime_error(name + ": " + std::generic_category().message(errno) + "; accepted: that program in " +

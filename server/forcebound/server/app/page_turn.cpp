@@ -3,23 +3,18 @@
 #include <spdlog/spdlog.h>
 
 #include <array>
-#include <filesystem>
 #include <iostream>
 #include <new>
 #include <span>
 
 #include "forcebound/page/listen_address.hpp"
+#include "forcebound/text/file.hpp"
 
 namespace forcebound::server {
 namespace {
 
 constexpr time::Nanoseconds kPeriod = std::chrono::milliseconds{500};
 constexpr time::Nanoseconds kMovementPeriod = std::chrono::milliseconds{33};
-
-std::string program_path() {
-  std::error_code ignored;
-  return std::filesystem::read_symlink("/proc/self/exe", ignored).string();
-}
 
 }  // namespace
 
@@ -31,8 +26,8 @@ PageTurn::PageTurn(const ProgramOptions& options, PageObserver& observer, const 
       page_(clock, options.record),
       log_([this](const std::string& level, const std::string& text) { page_.tell(level, text); }),
       shown_(clock.now()) {
-  const page::PageServer::Settings settings = page::page_settings(*options.page, program_path());
-  if (const std::string why = page::missing_page(program_path()); !why.empty()) spdlog::warn("{}", why);
+  const page::PageServer::Settings settings = page::page_settings(*options.page, text::program_path());
+  if (const std::string why = page::missing_page(text::program_path()); !why.empty()) spdlog::warn("{}", why);
   if (robot_ != nullptr) page_.set_robot(*robot_->looks().description());
   served_.emplace(settings, page_);
   std::cout << "page: " << page::printed_address(served_->address()) << std::endl;

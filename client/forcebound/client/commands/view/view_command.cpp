@@ -3,7 +3,6 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
-#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <string>
@@ -16,6 +15,7 @@
 #include "forcebound/page/listen_address.hpp"
 #include "forcebound/page/page_server.hpp"
 #include "forcebound/program/command_line.hpp"
+#include "forcebound/text/file.hpp"
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/text/printable.hpp"
 #include "forcebound/text/terminal.hpp"
@@ -47,10 +47,9 @@ void run(const ViewOptions& options) {
   Recorded recorded = read_recorded(options.recording);
   if (!recorded.flaw.empty()) std::cerr << text::printable(recorded.flaw) << '\n';
   std::string scene = scene_message_of(recorded, options.scene);
-  std::error_code ignored;
-  const std::string program = std::filesystem::read_symlink("/proc/self/exe", ignored).string();
-  const page::PageServer::Settings settings = page::page_settings(at, program);
-  if (const std::string why = page::missing_page(program); !why.empty()) std::cerr << text::printable(why) << '\n';
+  const page::PageServer::Settings settings = page::page_settings(at, text::program_path());
+  if (const std::string why = page::missing_page(text::program_path()); !why.empty())
+    std::cerr << text::printable(why) << '\n';
   const std::string words = text::counted(recorded.ticks.size(), "tick") + ", " + text::rounded(recorded.duration_s()) +
                             " s, law " + recorded.info.law + ", scene " +
                             (recorded.scene().empty() ? "not known" : recorded.scene());
