@@ -2,8 +2,8 @@
 
 #include <pybind11/stl.h>
 
-#include <exception>
 #include <optional>
+#include <stdexcept>
 #include <string>
 
 #include "forcebound/record/run_info.hpp"
@@ -26,51 +26,37 @@ class RecordedTables final : public record::RecordingSink {
     if (summary_) summary_->finish(totals);
   }
   void on_tick(const record::TickRecord& tick) noexcept override {
-    add(ticks_, tick);
+    loop_.on_tick(tick);
     if (summary_) summary_->on_tick(tick);
   }
   void on_force(const record::ForceRecord& force) noexcept override {
-    add(forces_, force);
+    loop_.on_force(force);
     if (summary_) summary_->on_force(force);
   }
   void on_motion(const record::MotionRecord& motion) override { motions_.add(motion); }
   void on_sent(const record::SentForceRecord& force) override { sent_.add(force); }
 
-  /// @throws std::invalid_argument for a tick or force that does not fit the ones before
-  void rethrow() const {
-    if (error_) std::rethrow_exception(error_);
-  }
-
+  /// @throws as LoopTables::rethrow
   [[nodiscard]] py::dict to_python() {
+    loop_.rethrow();
     py::dict read;
     read["info"] = record::to_key_values(info_);
     read["totals"] = totals_ ? py::cast(record::to_key_values(*totals_)) : py::none();
-    read["summary"] = summary_ && ticks_.size() > 0 ? py::cast(summary_->to_json()) : py::none();
-    read["ticks"] = ticks_.take();
-    read["forces"] = forces_.take();
+    read["summary"] = summary_ && loop_.has_ticks() ? py::cast(summary_->to_json()) : py::none();
+    read["ticks"] = loop_.take_ticks();
+    read["forces"] = loop_.take_forces();
     read["motions"] = motions_.take();
     read["sent"] = sent_.take();
     return read;
   }
 
  private:
-  template <class Record>
-  void add(Table<Record>& table, const Record& record) noexcept {
-    try {
-      if (!error_) table.add(record);
-    } catch (...) {
-      error_ = std::current_exception();
-    }
-  }
-
   record::RunInfo info_;
   std::optional<record::RunTotals> totals_;
   std::optional<record::Summary> summary_;
-  Table<record::TickRecord> ticks_{tick_columns()};
-  Table<record::ForceRecord> forces_{force_columns()};
+  LoopTables loop_;
   Table<record::MotionRecord> motions_{motion_columns()};
   Table<record::SentForceRecord> sent_{sent_columns()};
-  std::exception_ptr error_;
 };
 
 /// What the recording has, as "complete" whether that is all, and as "flaw" what is missing.
@@ -85,7 +71,6 @@ py::dict read(const std::string& file) {
       throw std::invalid_argument(malformed.what());  // a ValueError in Python
     }
   }
-  tables.rethrow();
   py::dict all = tables.to_python();
   all["complete"] = static_cast<bool>(ending);
   all["flaw"] = record::mcap::in_words(ending);

@@ -43,13 +43,15 @@ class Table {
   std::size_t rows_ = 0;
 };
 
-/// The ticks and forces of a simulated loop.
+/// The ticks and forces of a loop that is simulated or was recorded.
 class LoopTables final : public record::TickSink {
  public:
   void on_tick(const record::TickRecord& tick) noexcept override { add(ticks_, tick); }
   void on_force(const record::ForceRecord& force) noexcept override { add(forces_, force); }
 
-  /// @throws what went wrong in `on_tick` or `on_force`
+  [[nodiscard]] bool has_ticks() const noexcept { return ticks_.size() > 0; }
+
+  /// @throws what went wrong in `on_tick` or `on_force`: std::invalid_argument for one that does not fit those before
   void rethrow() {
     if (error_) std::rethrow_exception(std::exchange(error_, nullptr));
   }
