@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <random>
 #include <vector>
 
@@ -15,6 +17,12 @@ namespace forcebound::control {
 namespace {
 
 using Real = long double;
+
+/// What a joint is worth if its motor makes so many times what it is told.
+struct WithGain {
+  Real gain = 1;
+  test::WorstCase worst;
+};
 
 class Draw {
  public:
@@ -35,8 +43,10 @@ class CheckedRun {
  public:
   explicit CheckedRun(std::uint64_t seed) : draw_(seed), facts_(drawn_facts()), law_(facts_, EnergyMemory::full) {
     for (Eigen::Index i = 0; i < facts_.damping.rows(); ++i) {
-      joints_.emplace_back((1 - Real{facts_.uncertainty.damping_share}) * facts_.damping(i, i),
-                           (1 - Real{facts_.uncertainty.friction_share}) * facts_.friction[i]);
+      const Bracket& gain_share = facts_.uncertainty.torque_gain_share;
+      const test::WorstCase worst((1 - Real{facts_.uncertainty.damping_share}) * facts_.damping(i, i),
+                                  (1 - Real{facts_.uncertainty.friction_share}) * facts_.friction[i]);
+      joints_.push_back({{{1 + Real{gain_share.least}, worst}, {1 + Real{gain_share.most}, worst}}});
       commands_.push_back({{}});
     }
     const Uncertainty& doubt = facts_.uncertainty;
@@ -100,7 +110,8 @@ class CheckedRun {
     doubt.encoder_steps = draw_.one_of({0, 0, 0.3});
     doubt.damping_share = draw_.one_of({0, 0.05});
     doubt.friction_share = draw_.one_of({0, 0.5});
-    doubt.torque_share = draw_.one_of({0, 0, 0.01, 0.2});
+    doubt.torque_ripple_share = draw_.one_of({0, 0, 0.01, 0.2});
+    doubt.torque_gain_share = {-draw_.one_of({0, 0, 0.01, 0.3}), draw_.one_of({0, 0, 0.01, 0.3})};
     doubt.clock_share = draw_.one_of({0, 0, 0, 1e-3, 0.1});
     writes_failed_ = draw_.one_of({0, 0, 0, 0.1});
     effects_reported_ = draw_.one_of({0, 0, 0.7});
@@ -157,7 +168,9 @@ class CheckedRun {
         may_be_less_ = may_be_less_ || motion_.write_failed;
         const Real end_s = Real{longest(motion_.interval_s)} + doubt.stamp_s.most;
         for (const auto& torque : test::torques_between(commands, release_, doubt.stamp_s.least, end_s)) {
-          joints_[i].hold(torque.mid, spread(torque), torque.duration_s);
+          for (auto& end : joints_[i]) {
+            end.worst.hold(end.gain * torque.mid, spread(end.gain, torque), torque.duration_s);
+          }
         }
         for (auto& command : commands) {
           command.begin_s.least -= longest(motion_.interval_s);
@@ -169,11 +182,13 @@ class CheckedRun {
         commands.erase(commands.begin(), in_effect.base() - 1);
       }
       const Real half = (Real{0.5} + doubt.encoder_steps) * facts_.encoder_step[row];
-      if (first) {
-        joints_[i].begin(-half, half);
-      } else {
-        joints_[i].move_origin(Real{motion_.joint[row]} - reading_[row]);
-        ASSERT_TRUE(joints_[i].read(-half, half));
+      for (auto& end : joints_[i]) {
+        if (first) {
+          end.worst.begin(-half, half);
+        } else {
+          end.worst.move_origin(Real{motion_.joint[row]} - reading_[row]);
+          ASSERT_TRUE(end.worst.read(-half, half));
+        }
       }
     }
     reading_ = motion_.joint;
@@ -198,8 +213,9 @@ class CheckedRun {
     return {by_facts.least, std::max(by_facts.most, std::min(told.most, now_s))};
   }
 
-  [[nodiscard]] Real spread(const test::KnownTorque& torque) const {
-    return torque.spread + facts_.uncertainty.torque_share * (std::fabs(torque.mid) + torque.spread);
+  [[nodiscard]] Real spread(Real gain, const test::KnownTorque& torque) const {
+    const Real ripple = facts_.uncertainty.torque_ripple_share;
+    return gain * (torque.spread + ripple * (std::fabs(torque.mid) + torque.spread));
   }
 
   void compare(int tick) {
@@ -208,16 +224,22 @@ class CheckedRun {
     Real turnover_J = 0;
     for (std::size_t i = 0; i < joints_.size(); ++i) {
       const auto row = static_cast<Eigen::Index>(i);
-      const Real least_J = joints_[i].least_J();
-      energy_J += least_J;
       const Real until_s = std::max(commands_[i].size() > 1 ? Real{commands_[i].back().begin_s.most} : Real{0},
                                     Real{longest(facts_.latency_s)} + doubt.latency_s.most);
-      for (const auto& torque : test::torques_between(commands_[i], release_, doubt.stamp_s.least, until_s)) {
-        const Real reserve_J = joints_[i].reserve_J(torque.mid, spread(torque), torque.duration_s);
-        energy_J -= reserve_J;
-        turnover_J += reserve_J;
+      Real joint_J = std::numeric_limits<Real>::infinity();
+      for (const auto& end : joints_[i]) {
+        Real left_J = end.worst.least_J();
+        turnover_J += std::fabs(left_J);
+        for (const auto& torque : test::torques_between(commands_[i], release_, doubt.stamp_s.least, until_s)) {
+          const Real reserve_J =
+              end.worst.reserve_J(end.gain * torque.mid, spread(end.gain, torque), torque.duration_s);
+          left_J -= reserve_J;
+          turnover_J += reserve_J;
+        }
+        joint_J = std::min(joint_J, left_J);
       }
-      turnover_J += std::fabs(least_J) + std::fabs(Real{committed_.rows() > 0 ? committed_[row] : 0.0}) * natural_m_;
+      energy_J += joint_J;
+      turnover_J += std::fabs(Real{committed_.rows() > 0 ? committed_[row] : 0.0}) * natural_m_;
     }
     most_turnover_J_ = std::max(most_turnover_J_, turnover_J);
     const Real above_J = law_.energy_J() - energy_J;
@@ -238,7 +260,7 @@ class CheckedRun {
   double effects_reported_ = 0;  ///< share of those of which the device says when they took effect
   DeviceFacts facts_;
   ExactLaw law_;
-  std::vector<test::WorstCase> joints_;
+  std::vector<std::array<WithGain, 2>> joints_;  ///< with the least gain of the motor and with the most
   std::vector<std::vector<test::KnownCommand>> commands_;
   test::KnownRelease release_;
   Motion motion_;

@@ -55,13 +55,14 @@ DeviceTruth truth_beyond_facts(std::uint64_t seed) {
   truth.encoder_steps = draw.one_of({0, 0.1, 0.5, 1});
   truth.damping_share = draw.one_of({0, 0.01, 0.3});
   truth.friction_share = draw.one_of({0, 0.2, 0.9});
-  truth.torque_share = draw.one_of({0, 0.01, 0.1});
+  truth.torque_ripple_share = draw.one_of({0, 0.01, 0.1});
   truth.actuator_lag_s = draw.one_of({0, 0, 1e-4, 1e-3});
   truth.failed_writes = draw.one_of({0, 0, 0.1});
   truth.failures_reported = true;
   truth.impossible_intervals = draw.one_of({0, 0, 0.1});
   truth.effects_reported = draw.one_of({0, 0, 1}) > 0;
   truth.releases_reported = draw.one_of({0, 1}) > 0;
+  truth.torque_gain_share = {-draw.one_of({0, 0, 0.03, 0.1}), draw.one_of({0, 0, 0.03, 0.1})};
   return truth;
 }
 

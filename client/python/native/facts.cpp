@@ -66,7 +66,10 @@ const std::vector<Field<Uncertainty>>& uncertainty_fields() {
                                                 "A reading is off by so many steps beyond half a step."),
       number_field<&Uncertainty::damping_share>("damping_share", "The damping is smaller by up to this share."),
       number_field<&Uncertainty::friction_share>("friction_share", "The friction is smaller by up to this share."),
-      number_field<&Uncertainty::torque_share>("torque_share", "The torque is off by up to this share of the command."),
+      bracket_field<&Uncertainty::torque_gain_share>(
+          "torque_gain_share", "Each motor's torque is the command times a constant, 1 and (least, most) more."),
+      number_field<&Uncertainty::torque_ripple_share>(
+          "torque_ripple_share", "And off by up to this share of that, another one at each instant."),
       number_field<&Uncertainty::actuator_lag_s>("actuator_lag_s",
                                                  "Time constant of a first-order lag of the torque, at most [s]."),
   };

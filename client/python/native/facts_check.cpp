@@ -61,7 +61,7 @@ void expect_possible(const Uncertainty& uncertainty) {
   expect_share("clock_share", uncertainty.clock_share);
   expect_share("damping_share", uncertainty.damping_share);
   expect_share("friction_share", uncertainty.friction_share);
-  expect_share("torque_share", uncertainty.torque_share);
+  expect_share("torque_ripple_share", uncertainty.torque_ripple_share);
   expect_within("encoder_steps", uncertainty.encoder_steps, kSteps, "0 to 1000");
   expect_within("actuator_lag_s", uncertainty.actuator_lag_s, kLag_s, "0 to 0.01 s");
 }

@@ -10,6 +10,7 @@
 #include "forcebound/control/classic_text.hpp"
 #include "forcebound/control/damping.hpp"
 #include "forcebound/control/diagonal_bound.hpp"
+#include "forcebound/control/parabola_sum.hpp"
 
 namespace forcebound::control {
 namespace {
@@ -40,7 +41,12 @@ void check(const Uncertainty& uncertainty, const DeviceFacts& facts) {
   share("uncertainty of the clock must be a share of 0 to less than 1", uncertainty.clock_share);
   share("uncertainty of the damping must be a share of 0 to less than 1", uncertainty.damping_share);
   share("uncertainty of the friction must be a share of 0 to less than 1", uncertainty.friction_share);
-  share("uncertainty of the torque must be a share of 0 to less than 1", uncertainty.torque_share);
+  share("ripple of the torque must be a share of 0 to less than 1", uncertainty.torque_ripple_share);
+  bracket("uncertainty of the motors' gain must be two shares, least first", uncertainty.torque_gain_share);
+  if (!(uncertainty.torque_gain_share.least > -1)) {
+    refuse(facts, "uncertainty of the motors' gain must be more than -1, or it could be zero",
+           uncertainty.torque_gain_share.least);
+  }
   const auto not_negative = [&](const char* what, double value) {
     if (!(value >= 0) || !std::isfinite(value)) refuse(facts, what, value);
   };
@@ -81,14 +87,15 @@ void check(const DeviceFacts& facts) {
   check(facts.uncertainty, facts);
 }
 
-template <std::size_t... Joint>
-std::array<LeastEnergy, kJointsMax> make_joints(const Vector& damping, const Vector& friction,
-                                                std::index_sequence<Joint...> /*joints*/) {
+template <typename Joint, std::size_t... Number>
+std::array<Joint, kJointsMax> make_joints(const Vector& damping, const Vector& friction,
+                                          std::index_sequence<Number...> /*joints*/) {
   const auto joint = [&](std::size_t i) {
     const auto row = static_cast<Eigen::Index>(i);
-    return row < damping.rows() ? LeastEnergy(damping[row], friction[row]) : LeastEnergy(1, 0);
+    const LeastEnergy least = row < damping.rows() ? LeastEnergy(damping[row], friction[row]) : LeastEnergy(1, 0);
+    return Joint{.least = least, .most = least, .more = {}};
   };
-  return {joint(Joint)...};
+  return {joint(Number)...};
 }
 
 }  // namespace
@@ -97,16 +104,18 @@ ExactLaw::ExactLaw(const DeviceFacts& facts, EnergyMemory memory, const Spending
     : joint_count_((check(facts), facts.joints())),
       dof_(facts.degrees_of_freedom()),
       // Proof, A1 and A2: at every instant so much of damping and friction is there.
-      joints_(make_joints((1 - facts.uncertainty.damping_share) * largest_diagonal_below(facts.damping),
-                          (1 - facts.uncertainty.friction_share) * facts.friction,
-                          std::make_index_sequence<kJointsMax>())),
+      joints_(make_joints<Joint>((1 - facts.uncertainty.damping_share) * largest_diagonal_below(facts.damping),
+                                 (1 - facts.uncertainty.friction_share) * facts.friction,
+                                 std::make_index_sequence<kJointsMax>())),
       encoder_half_((0.5 * (1 + kStepRounding) + facts.uncertainty.encoder_steps) * facts.encoder_step),
       period_s_(facts.period_s),
       times_(facts),
       paid_(times_.longest_release()),
       stamp_s_(facts.uncertainty.stamp_s),
       latency_s_(facts.uncertainty.latency_s),
-      torque_share_(facts.uncertainty.torque_share),
+      // Proof, A5: what a motor makes of a command is a constant times that, and a ripple.
+      gain_{1 + facts.uncertainty.torque_gain_share.least, 1 + facts.uncertainty.torque_gain_share.most},
+      ripple_share_(facts.uncertainty.torque_ripple_share),
       lag_s_(facts.uncertainty.actuator_lag_s),
       force_N_max_(facts.force_N_max),
       torque_N_m_max_(facts.torque_N_m_max),
@@ -125,12 +134,13 @@ void ExactLaw::credit(const Motion& motion) noexcept {
   // Proof, A10: V begins again only at the end of an interval whose both stamps are believed.
   if (!located_ && (blind_s_ > 0 || !stamps_.interval_believed())) return;
   for (Eigen::Index i = 0; i < joint_count_; ++i) {
-    LeastEnergy& joint = joints_[static_cast<std::size_t>(i)];
     const LeastEnergy::Tube read = tube(i, motion.joint[i]);
-    const auto gain_J = located_ ? joint.read(read) : std::nullopt;
-    // What no finite motion explains was charged its worst case already: holding a force takes it from the minimum.
-    if (!gain_J) joint.restart(read);
-    energy_.add(gain_J.value_or(0));
+    add(i, [&](LeastEnergy& v, double /*gain*/) {
+      const auto gained_J = located_ ? v.read(read) : std::nullopt;
+      // What no finite motion explains was charged its worst case already: holding a force takes it from the minimum.
+      if (!gained_J) v.restart(read);
+      return gained_J.value_or(0);
+    });
   }
   located_ = true;
   if (memory_ == EnergyMemory::capped) forget_excess();
@@ -168,13 +178,14 @@ void ExactLaw::note_command(const Motion& motion) noexcept {
 }
 
 void ExactLaw::let_act(double duration_s, double stretch) noexcept {
-  held_.each_piece(stamp_s_.least, duration_s + stamp_s_.most,
-                   [&](const Vector& mid, const Vector& spread, double piece_s) {
-                     for (Eigen::Index i = 0; i < joint_count_; ++i) {
-                       energy_.add(joints_[static_cast<std::size_t>(i)].hold(
-                           mid[i], spread_of(std::abs(mid[i]), spread[i]), piece_s * stretch));
-                     }
-                   });
+  held_.each_piece(
+      stamp_s_.least, duration_s + stamp_s_.most, [&](const Vector& mid, const Vector& spread, double piece_s) {
+        for (Eigen::Index i = 0; i < joint_count_; ++i) {
+          add(i, [&](LeastEnergy& v, double gain) {
+            return v.hold(gain * mid[i], spread_of(gain * std::abs(mid[i]), gain * spread[i]), piece_s * stretch);
+          });
+        }
+      });
 }
 
 /// Nobody knows how long the forces in effect and on their way have been or will be: each is charged as long as any can
@@ -182,8 +193,13 @@ void ExactLaw::let_act(double duration_s, double stretch) noexcept {
 void ExactLaw::charge_all() noexcept {
   constexpr double kLagsUntilNothing = 40;
   if (located_ || blind_s_ > 0) {
-    held_.each([&](const Vector& mid, const Vector& spread) { energy_.add(-needed_J(mid.cwiseAbs() + spread)); });
-    energy_.add(-lag_can_take_J(held_.left_by_lag()));
+    const Vector left = held_.left_by_lag();
+    for (Eigen::Index i = 0; i < joint_count_; ++i) {
+      held_.each([&](const Vector& mid, const Vector& spread) {
+        add(i, [&](const LeastEnergy&, double gain) { return -needed_J(i, gain * (std::abs(mid[i]) + spread[i])); });
+      });
+      add(i, [&](const LeastEnergy&, double gain) { return -lag_can_take_J(i, gain * left[i]); });
+    }
     const double over_s = held_.horizon_s() + paid_.part_s.most + kLagsUntilNothing * lag_s_;
     blind_s_ = std::max(blind_s_, over_s - std::min(0.0, stamp_s_.least));
   }
@@ -195,11 +211,11 @@ void ExactLaw::forget_excess() noexcept {
   constexpr double kRoom = 1 + 1e-12;  // rounding shall not bound the largest force
   Vector largest = force_N_max_ * jacobian_.topRows(dof_ - rotations_).colwise().norm().transpose();
   if (rotations_ > 0) largest += torque_N_m_max_ * jacobian_.bottomRows(rotations_).colwise().norm().transpose();
-  const double kept_J = std::min(kRoom * spending_.memory_reserves * needed_J(largest), spending_.memory_J_max);
+  const double kept_J = std::min(kRoom * spending_.memory_reserves * needed_J(largest, {}), spending_.memory_J_max);
   // If the write of the next force fails, those told so far go on until their release.
   Vector held = Vector::Zero(joint_count_);
   held_.each([&](const Vector& mid, const Vector& spread) { held = held.cwiseMax(mid.cwiseAbs() + spread); });
-  const double excess_J = energy_J() - std::max(kept_J, needed_J(held));
+  const double excess_J = energy_J() - std::max(kept_J, needed_J(held, {}));
   if (!(excess_J > 0)) return;
   energy_.add(-excess_J);
   given_.add(excess_J);
@@ -219,50 +235,76 @@ LeastEnergy::Tube ExactLaw::tube(Eigen::Index joint, double reading) const noexc
 }
 
 /// Proof, A6: the next force takes effect `latency_s` after the reading's stamp, or so much later as the facts allow.
-ExactLaw::Ahead ExactLaw::until_effect(double latency_s) const noexcept {
+ExactLaw::AtEffect ExactLaw::at_effect(double latency_s) const noexcept {
   const double begin_s = std::max(times_.true_time(latency_s).most + latency_s_.most, held_.horizon_s());
-  Ahead ahead;
+  AtEffect result;
+  double taken_J = 0;
+  double left_J = 0;
+  // Adds what joint i loses to `sum_J` with the least gain, and to S by how much less that is than with the most.
+  const auto take = [&](Eigen::Index i, double& sum_J, auto&& loss_J) {
+    const double least_J = loss_J(gain_.least);
+    sum_J += least_J;
+    if (!gain_known()) result.more_at_most[static_cast<std::size_t>(i)] -= loss_J(gain_.most) - least_J;
+  };
   Vector left = held_.left_by_lag();
   held_.each_piece(stamp_s_.least, begin_s, [&](const Vector& mid, const Vector& spread, double piece_s) {
     for (Eigen::Index i = 0; i < joint_count_; ++i) {
       const double size = std::abs(mid[i]);
-      ahead.taken_J += joints_[static_cast<std::size_t>(i)].reserve_J(mid[i], spread_of(size, spread[i]), piece_s);
+      take(i, taken_J, [&](double gain) {
+        return joint(i).least.reserve_J(gain * mid[i], spread_of(gain * size, gain * spread[i]), piece_s);
+      });
       left[i] = std::max(left[i], size + spread[i]);
     }
   });
-  ahead.left_J = lag_can_take_J(left);
-  return ahead;
+  for (Eigen::Index i = 0; i < joint_count_; ++i) {
+    take(i, left_J, [&](double gain) { return lag_can_take_J(i, gain * left[i]); });
+    result.lag_leaves = result.lag_leaves || lag_can_take_J(i, gain_.most * left[i]) > 0;
+  }
+  result.energy_J = energy_.value_J() - taken_J - left_J;
+  for (Eigen::Index i = 0; i < joint_count_ && !gain_known(); ++i) {
+    double& more_J = result.more_at_most[static_cast<std::size_t>(i)];
+    more_J += joint(i).more.value_J();
+    result.energy_J += std::min(more_J, 0.0);
+    more_J = std::max(more_J, 0.0);
+  }
+  return result;
 }
 
 /// What the next force may need. Nothing where not even the torque that friction holds is safe: with a deficit, while
 /// the lag has left something of a torque above it.
-std::optional<double> ExactLaw::spendable_J(double latency_s) const noexcept {
-  const Ahead ahead = until_effect(latency_s);
-  const double energy_J = energy_.value_J() - ahead.taken_J - ahead.left_J;
-  if (energy_J < 0 && ahead.left_J > 0) return std::nullopt;
-  return std::max(energy_J, 0.0);
+std::optional<ExactLaw::AtEffect> ExactLaw::spendable(double latency_s) const noexcept {
+  const AtEffect left = at_effect(latency_s);
+  if (left.energy_J >= 0) return left;
+  if (left.lag_leaves) return std::nullopt;
+  return AtEffect{};
 }
 
-/// The most that the lag's rest of torques of these sizes can take. Proof, A5: whatever the time constant up to lag_s.
-double ExactLaw::lag_can_take_J(const Vector& left) const noexcept {
-  double taken_J = 0;
-  for (Eigen::Index i = 0; lag_s_ > 0 && i < joint_count_; ++i) {
-    taken_J += joints_[static_cast<std::size_t>(i)].reserve_J(left[i], torque_share_ * left[i], lag_s_);
-  }
-  return taken_J;
+/// The most that the lag's rest of a torque of this size can take. Proof, A5: whatever the time constant up to lag_s.
+double ExactLaw::lag_can_take_J(Eigen::Index i, double left) const noexcept {
+  return lag_s_ > 0 ? joint(i).least.reserve_J(left, ripple_share_ * left, lag_s_) : 0;
 }
 
-/// The sum over the stages of the release (proof, A7), for a torque given by its sizes. Proof, A5: each may be larger
-/// by torque_share, and go on for the lag.
-double ExactLaw::needed_J(const Vector& torque) const noexcept {
-  const double full_s = paid_.full_s.most + lag_s_;
+/// The sum over the stages of the release (proof, A7). Proof, A5: the torque may be larger by its ripple, and go on for
+/// the lag.
+double ExactLaw::needed_J(Eigen::Index i, double torque) const noexcept {
   const double part_s = paid_.part_s.most - paid_.full_s.most;
+  const auto stage_J = [&](double size, double duration_s) {
+    return joint(i).least.reserve_J(size, ripple_share_ * size, duration_s);
+  };
+  const double needed_J = stage_J(torque, paid_.full_s.most + lag_s_);
+  return part_s > 0 ? needed_J + stage_J(paid_.share * torque, part_s) : needed_J;
+}
+
+/// With what the joints have more at the most gain.
+double ExactLaw::needed_J(const Vector& torque, const PerJoint& more_at_most) const noexcept {
   double needed_J = 0;
   for (Eigen::Index i = 0; i < joint_count_; ++i) {
-    const LeastEnergy& joint = joints_[static_cast<std::size_t>(i)];
     const double size = std::abs(torque[i]);
-    needed_J += joint.reserve_J(size, torque_share_ * size, full_s);
-    if (part_s > 0) needed_J += joint.reserve_J(paid_.share * size, torque_share_ * paid_.share * size, part_s);
+    double joint_J = this->needed_J(i, gain_.least * size);
+    if (!gain_known()) {
+      joint_J = std::max(joint_J, this->needed_J(i, gain_.most * size) - more_at_most[static_cast<std::size_t>(i)]);
+    }
+    needed_J += joint_J;
   }
   return needed_J;
 }
@@ -275,8 +317,8 @@ Vector ExactLaw::bound(const Vector& request_N) noexcept {
   }
   // Through its largest component, so that neither 1e300 N nor 1e-300 N leaves the range of a double when squared.
   const Vector direction = request_N / largest;
-  const auto spendable = spendable_J(latency_s_max_);
-  double scale = spendable ? std::min(largest, largest_scale(jacobian_.transpose() * direction, *spendable)) : 0.0;
+  const auto left = spendable(latency_s_max_);
+  double scale = left ? std::min(largest, largest_scale(jacobian_.transpose() * direction, *left)) : 0.0;
   if (memory_ == EnergyMemory::capped) {
     const double share = std::min(scale / largest, shown_share_ + spending_.rise_per_s * std::max(0.0, interval_s_));
     if (share < scale / largest) scale = share * largest;
@@ -285,45 +327,53 @@ Vector ExactLaw::bound(const Vector& request_N) noexcept {
   return scale == largest ? request_N : Vector(direction * scale);
 }
 
-/// The largest s with sum_i sum_stages max(share_k s |t_i| - c_i, 0)^2 t_k/(4 b_i) <= energy: a parabola for each joint
-/// and stage, from where its friction is overcome on.
-double ExactLaw::largest_scale(const Vector& torque, double energy_J) const noexcept {
-  struct Parabola {
-    double begin = 0;
-    double weight = 0;
+/// For a torque > 0, its ripple included; it begins to need something where friction is overcome.
+std::array<ExactLaw::Stage, 2> ExactLaw::stages(Eigen::Index i, double torque) const noexcept {
+  const LeastEnergy& least = joint(i).least;
+  const auto stage = [&](double size, double duration_s) {
+    return Stage{least.friction() / size, size * size * duration_s / (4 * least.damping())};
   };
-  std::array<Parabola, 2 * kJointsMax> parabolas;  // sorted by where they begin
-  auto end = parabolas.begin();
-  const auto add = [&](const Parabola& parabola) {
-    auto place = end++;
-    for (; place != parabolas.begin() && parabola.begin < (place - 1)->begin; --place) *place = *(place - 1);
-    *place = parabola;
-  };
-  const double full_s = paid_.full_s.most + lag_s_;
-  const double part_s = paid_.part_s.most - paid_.full_s.most;
+  const Stage full = stage(torque, paid_.full_s.most + lag_s_);
+  const double part = paid_.share * torque;
+  return {full, part > 0 ? stage(part, paid_.part_s.most - paid_.full_s.most) : Stage{full.begin, 0}};
+}
+
+/// The largest s with needed_J(s torque) <= energy: a parabola for each joint and stage, from where its friction is
+/// overcome on; where the most gain begins to need more than a joint has more with it, those of the most gain.
+double ExactLaw::largest_scale(const Vector& torque, const AtEffect& spendable) const noexcept {
+  ParabolaSum<5 * kJointsMax> needed;
   for (Eigen::Index i = 0; i < joint_count_; ++i) {
-    const LeastEnergy& joint = joints_[static_cast<std::size_t>(i)];
-    const double size = std::abs(torque[i]) * (1 + torque_share_);
+    const double size = std::abs(torque[i]) * (1 + ripple_share_);
     if (!(size > 0)) continue;
-    add({joint.friction() / size, size * size * full_s / (4 * joint.damping())});
-    const double part = paid_.share * size;
-    if (part > 0) add({joint.friction() / part, part * part * part_s / (4 * joint.damping())});
+    const auto least = stages(i, gain_.least * size);
+    if (gain_known()) {
+      for (const Stage& stage : least) needed.bend(stage.begin, 0, stage.weight);
+      continue;
+    }
+    const auto most = stages(i, gain_.most * size);
+    ParabolaSum<4> difference;
+    for (const Stage& stage : most) difference.bend(stage.begin, 0, stage.weight);
+    for (const Stage& stage : least) difference.bend(stage.begin, 0, -stage.weight);
+    const double turn = difference.reach(spendable.more_at_most[static_cast<std::size_t>(i)]);
+    double slope = 0;
+    double curvature = 0;
+    for (const Stage& stage : least) {
+      if (!(stage.begin < turn)) continue;
+      needed.bend(stage.begin, 0, stage.weight);
+      slope -= stage.weight * (turn - stage.begin);
+      curvature -= stage.weight;
+    }
+    for (const Stage& stage : most) {
+      if (stage.begin < turn) {
+        slope += stage.weight * (turn - stage.begin);
+        curvature += stage.weight;
+      } else {
+        needed.bend(stage.begin, 0, stage.weight);
+      }
+    }
+    needed.bend(turn, slope, curvature);
   }
-  // With t = s - begin:  a t^2 + 2 b t = room,  moved on from parabola to parabola.
-  double a = 0;
-  double b = 0;
-  double room = energy_J;
-  for (auto newest = parabolas.begin(); newest != end; ++newest) {
-    const double ahead = newest == parabolas.begin() ? 0 : newest->begin - (newest - 1)->begin;
-    room -= (a * ahead + 2 * b) * ahead;
-    b += a * ahead;
-    a += newest->weight;
-    // Roots before the product: a * room underflows where little is left, and nothing would then bound the force.
-    const double root = std::hypot(b, std::sqrt(a) * std::sqrt(std::max(room, 0.0)));
-    const double scale = newest->begin + (room > 0 ? room / (b + root) : 0.0);
-    if (newest + 1 == end || scale <= (newest + 1)->begin) return scale;
-  }
-  return std::numeric_limits<double>::infinity();
+  return needed.reach(spendable.energy_J);
 }
 
 bool ExactLaw::allows(const Vector& force_N, double latency_s) const noexcept {
@@ -331,14 +381,15 @@ bool ExactLaw::allows(const Vector& force_N, double latency_s) const noexcept {
   if (force_N.isZero(0)) return true;
   if (!located_) return false;
   const Vector torque = jacobian_.transpose() * force_N * (1 - kForceRounding);
-  const auto spendable = spendable_J(latency_s);
-  return spendable && needed_J(torque) <= *spendable;
+  const auto left = spendable(latency_s);
+  return left && needed_J(torque, left->more_at_most) <= left->energy_J;
 }
 
 void ExactLaw::commit(const Vector& force_N) noexcept { committed_ = jacobian_.transpose() * force_N; }
 
 bool ExactLaw::knots_merged() const noexcept {
-  return std::any_of(joints_.begin(), joints_.end(), [](const LeastEnergy& joint) { return joint.merged(); });
+  return std::any_of(joints_.begin(), joints_.end(),
+                     [](const Joint& joint) { return joint.least.merged() || joint.most.merged(); });
 }
 
 }  // namespace forcebound::control

@@ -34,14 +34,17 @@ struct Spending {
 /// held between ticks is the motors' torque tau = J'f. The force is chosen at a reading t_n, takes effect latency_n
 /// after it, and is released by the device after the hold time T_hold:
 ///
-///     E_n = sum_i min V_n,i  -  the reserves r of all pieces of time until f_n takes effect
+///     E_n = sum_i min over g of ( min V_n,i,g  -  the reserves r of all pieces of time until f_n takes effect )
 ///     f_n = phi u, the largest phi <= |f_e| with  R(phi J'u) <= max(E_n, 0)
-///     R(f) = sum_i  r(f_i, q f_i, T_1) + r(s f_i, q s f_i, T_2 - T_1),     r(m, k, t) = max(|m| + k - c, 0)^2 t/(4b)
+///     R(f) = sum_i  max( R_i(g- f_i), R_i(g+ f_i) - S_i )
+///     R_i(f) = r(f, q f, T_1) + r(s f, q s f, T_2 - T_1),               r(m, k, t) = max(|m| + k - c, 0)^2 t/(4b)
 ///
-/// where q is `torque_share`, and the device holds all of a force until T_1 and the share s until T_2, both the longest
-/// that the facts allow, T_1 and the actuator's lag together. What the lag leaves of earlier forces is subtracted from
-/// E_n too. Scaling the torque scales the tip force: its direction is kept, no inverse Jacobian appears, singular
-/// configurations are harmless. Without any energy the torque is what friction holds: the largest one along J'u with
+/// where a motor makes g times the command, g a constant between g- and g+ (`torque_gain_share`), so that the energy is
+/// least at one of these two (proof, Lemma 5), and S_i >= 0 is what joint i then has more at g+ than at g-. q is
+/// `torque_ripple_share`. The device holds all of a force until T_1 and the share s until T_2, both the longest that
+/// the facts allow, T_1 and the actuator's lag together. What the lag leaves of earlier forces is subtracted from E_n
+/// too. Scaling the torque scales the tip force: its direction is kept, no inverse Jacobian appears, singular
+/// configurations are harmless. Without any energy the torque is what friction holds: the largest one along J'u with g+
 /// (1 + q) |tau_i| <= c_i. Where the tip turns, f is a force and a torque: nothing changes, as all terms are energies
 /// of the joints. A coupled damping matrix D counts as the diagonal `largest_diagonal_below` it.
 ///
@@ -78,10 +81,7 @@ class ExactLaw final : public PassivityLaw {
   void commit(const Vector& force_N) noexcept override;
 
   /// E_n [J]; below zero while a deficit is repaid.
-  [[nodiscard]] double energy_J() const noexcept override {
-    const Ahead ahead = until_effect(latency_s_max_);
-    return energy_.value_J() - ahead.taken_J - ahead.left_J;
-  }
+  [[nodiscard]] double energy_J() const noexcept override { return at_effect(latency_s_max_).energy_J; }
 
   /// What was forgotten because no force of this device could need it: nothing that is felt is lost by giving it away.
   [[nodiscard]] double energy_given_J() const noexcept override { return given_.value_J(); }
@@ -92,38 +92,66 @@ class ExactLaw final : public PassivityLaw {
   [[nodiscard]] bool knots_merged() const noexcept;
 
  private:
-  /// What earlier torques can take until the next one is in effect, and what the lag has left of them can take after
-  /// that [J].
-  struct Ahead {
-    double taken_J = 0;
-    double left_J = 0;
+  using PerJoint = std::array<double, kJointsMax>;
+  /// One joint, as it is with the least gain of its motor and with the most. One of them where the gain is known.
+  struct Joint {
+    LeastEnergy least;
+    LeastEnergy most;
+    EnergySum more;  ///< by so much the minimum of V at the most gain exceeds that at the least [J]
+  };
+  /// What is left at the time at which the next force takes effect [J].
+  struct AtEffect {
+    double energy_J = 0;      ///< with the worse gain of each joint
+    PerJoint more_at_most{};  ///< S: so much more each joint has with the most gain, or 0
+    bool lag_leaves = false;  ///< something of earlier torques that friction does not hold
   };
 
+  /// What a stage of the release needs in one joint, for s times a torque: weight max(s - begin, 0)^2 [J].
+  struct Stage {
+    double begin = 0;
+    double weight = 0;
+  };
+
+  [[nodiscard]] const Joint& joint(Eigen::Index i) const noexcept { return joints_[static_cast<std::size_t>(i)]; }
+
+  /// Adds to joint i's energy what `change_J(V, gain)` gives for each gain that its motor may have.
+  template <typename Change>
+  void add(Eigen::Index i, Change&& change_J) noexcept {
+    Joint& joint = joints_[static_cast<std::size_t>(i)];
+    const double least_J = change_J(joint.least, gain_.least);
+    energy_.add(least_J);
+    if (!gain_known()) joint.more.add(change_J(joint.most, gain_.most) - least_J);
+  }
+
   [[nodiscard]] LeastEnergy::Tube tube(Eigen::Index joint, double reading) const noexcept;
+  [[nodiscard]] bool gain_known() const noexcept { return gain_.least == gain_.most; }
   void note_times(const Motion& motion) noexcept;
   void note_command(const Motion& motion) noexcept;
   void let_act(double duration_s, double stretch) noexcept;
   void charge_all() noexcept;
   void forget_excess() noexcept;
-  [[nodiscard]] Ahead until_effect(double latency_s) const noexcept;
-  [[nodiscard]] std::optional<double> spendable_J(double latency_s) const noexcept;
+  [[nodiscard]] AtEffect at_effect(double latency_s) const noexcept;
+  [[nodiscard]] std::optional<AtEffect> spendable(double latency_s) const noexcept;
   [[nodiscard]] double spread_of(double size, double spread) const noexcept {
-    return spread + torque_share_ * (size + spread);
+    return spread + ripple_share_ * (size + spread);
   }
-  [[nodiscard]] double lag_can_take_J(const Vector& left) const noexcept;
-  [[nodiscard]] double needed_J(const Vector& torque) const noexcept;
-  [[nodiscard]] double largest_scale(const Vector& torque, double energy_J) const noexcept;
+  [[nodiscard]] double lag_can_take_J(Eigen::Index i, double left) const noexcept;
+  [[nodiscard]] double needed_J(Eigen::Index i, double torque) const noexcept;
+  [[nodiscard]] double needed_J(const Vector& torque, const PerJoint& more_at_most) const noexcept;
+  [[nodiscard]] std::array<Stage, 2> stages(Eigen::Index i, double torque) const noexcept;
+  [[nodiscard]] double largest_scale(const Vector& torque, const AtEffect& spendable) const noexcept;
 
   Eigen::Index joint_count_;
   Eigen::Index dof_;  // rows of a force
-  std::array<LeastEnergy, kJointsMax> joints_;
+  std::array<Joint, kJointsMax> joints_;
   Vector encoder_half_;
   double period_s_;
   ForceTimes times_;
   ReleaseStages paid_;  // the stages that the reserve of a force is for
   Bracket stamp_s_;
   Bracket latency_s_;  // beyond what the motion says
-  double torque_share_;
+  Bracket gain_;       // of each motor
+  double ripple_share_;
   double lag_s_;
   double force_N_max_;
   double torque_N_m_max_;
@@ -131,7 +159,7 @@ class ExactLaw final : public PassivityLaw {
   EnergyMemory memory_;
   Spending spending_;
 
-  EnergySum energy_;
+  EnergySum energy_;  // with the least gain of all motors
   EnergySum given_;
   bool located_ = false;  // V is known
   double blind_s_ = 0;    // so long no force and no credit: the forces in effect are not known

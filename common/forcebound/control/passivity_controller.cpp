@@ -51,7 +51,7 @@ PassivityController::PassivityController(const DeviceFacts& facts, std::unique_p
   if (facts.joints() != dof_ && !actuator_step_.isZero(0)) {
     throw std::invalid_argument("device '" + facts.name + "': actuator step must be 0 for " +
                                 std::to_string(facts.joints()) + " joints and a tip of " + std::to_string(dof_) +
-                                " degrees of freedom; give the motors' steps as a torque_share");
+                                " degrees of freedom; give the motors' steps as a torque_ripple_share");
   }
   if (!(actuator_step_.array() >= 0).all()) {
     throw std::invalid_argument(

@@ -34,7 +34,11 @@ std::string uncertainty_text(const control::Uncertainty& uncertainty) {
   share("clock", uncertainty.clock_share);
   share("damping", uncertainty.damping_share);
   share("friction", uncertainty.friction_share);
-  share("torque", uncertainty.torque_share);
+  if (uncertainty.torque_gain_share != control::Bracket{}) {
+    out << ", motors' gain " << 100 * uncertainty.torque_gain_share.least << " to "
+        << 100 * uncertainty.torque_gain_share.most << " %";
+  }
+  share("torque ripple", uncertainty.torque_ripple_share);
   if (uncertainty.encoder_steps > 0) out << ", encoder " << uncertainty.encoder_steps << " steps beyond rounding";
   if (uncertainty.actuator_lag_s > 0) out << ", actuator lag " << uncertainty.actuator_lag_s << " s";
   return out.str().empty() ? "" : "; may be off: " + out.str().substr(2);

@@ -39,7 +39,7 @@ void read_joints(config::CheckedTable& file, DeviceDescription& device, int coun
   if (facts.tip_axes > 0 && !facts.actuator_step.isZero(0)) {
     file.refuse(step,
                 "0 with more joints than degrees_of_freedom, as no force at the tip then gives every motor a whole "
-                "number of steps; [uncertainty] torque_share is for them");
+                "number of steps; [uncertainty] torque_ripple_share is for them");
   }
 }
 
@@ -82,6 +82,25 @@ double read_share(config::CheckedTable& section, std::string_view key) {
   return share;
 }
 
+/// A share that a motor's gain may be more and less, or two, [least, most].
+control::Bracket read_gain(config::CheckedTable& section, std::string_view key) {
+  const config::Node* const node = section.find(key);
+  const bool one = node != nullptr && node->as<config::Node::List>() == nullptr;
+  const double share = one ? read_share(section, key) : 0;
+  const control::Bracket gain = one ? control::Bracket{-share, share} : read_bracket(section, key);
+  if (!(gain.least > -1)) section.refuse(key, "more than -1, or the motors' gain could be zero");
+  return gain;
+}
+
+/// Its older name too.
+double read_ripple(config::CheckedTable& section) {
+  constexpr std::string_view kOlder = "torque_share";
+  constexpr std::string_view kName = "torque_ripple_share";
+  if (section.find(kOlder) == nullptr) return read_share(section, kName);
+  if (section.find(kName) != nullptr) section.refuse(kOlder, "left out: it is the older name of torque_ripple_share");
+  return read_share(section, kOlder);
+}
+
 control::Uncertainty read_uncertainty(config::CheckedTable section, const control::DeviceFacts& facts) {
   control::Uncertainty uncertainty;
   uncertainty.stamp_s = read_bracket(section, "stamp_s");
@@ -97,7 +116,8 @@ control::Uncertainty read_uncertainty(config::CheckedTable section, const contro
   uncertainty.encoder_steps = section.number({.key = "encoder_steps", .preset = 0, .least = 0, .most = 1000});
   uncertainty.damping_share = read_share(section, "damping_share");
   uncertainty.friction_share = read_share(section, "friction_share");
-  uncertainty.torque_share = read_share(section, "torque_share");
+  uncertainty.torque_gain_share = read_gain(section, "torque_gain_share");
+  uncertainty.torque_ripple_share = read_ripple(section);
   uncertainty.actuator_lag_s =
       section.number({.key = "actuator_lag_s", .preset = 0, .least = 0, .most = kLatencyMax_s});
   section.refuse_unknown_keys();

@@ -76,7 +76,19 @@ std::vector<Violation> violations() {
           {"encoder off by 0.3 steps", [](DeviceTruth& t) { t.encoder_steps = 0.3; }},
           {"damping lower by 1 %", [](DeviceTruth& t) { t.damping_share = 0.01; }},
           {"friction lower by 20 %", [](DeviceTruth& t) { t.friction_share = 0.2; }, 100e-6, 0.5},
-          {"torque ripple of 1 %", [](DeviceTruth& t) { t.torque_share = 0.01; }},
+          {"torque gain off by 1 %",
+           [](DeviceTruth& t) {
+             t.torque_gain_share = {-0.01, 0.01};
+           }},
+          {"torque gain off by 3 %",
+           [](DeviceTruth& t) {
+             t.torque_gain_share = {-0.03, 0.03};
+           }},
+          {"torque gain off by 10 %",
+           [](DeviceTruth& t) {
+             t.torque_gain_share = {-0.1, 0.1};
+           }},
+          {"torque ripple of 1 %", [](DeviceTruth& t) { t.torque_ripple_share = 0.01; }},
           {"actuator lag of 100 us", [](DeviceTruth& t) { t.actuator_lag_s = 100e-6; }},
           {"1 % of writes fail, reported", [](DeviceTruth& t) { t.failed_writes = 0.01, t.failures_reported = true; }},
           {"1 % of writes fail, not reported", [](DeviceTruth& t) { t.failed_writes = 0.01; }},

@@ -33,6 +33,7 @@ class Opponent {
         draining_(sometimes(0.5)),
         drained_share_(sometimes(0.5) ? 0.02 : number(0.02, 0.9)),
         clock_rate_(1 + game.truth.clock_share * (sometimes(0.5) ? 1 : number(-1, 1))),
+        gain_(drawn_gain()),
         joint_(Vector::Zero(dof_)),
         offset_(Vector::Zero(dof_)),
         command_(Vector::Zero(dof_)),
@@ -60,6 +61,11 @@ class Opponent {
 
   double number(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
   bool sometimes(double share) { return number(0, 1) < share; }
+  Vector drawn_gain() {
+    const control::Bracket& share = game_.truth.torque_gain_share;
+    if (share == control::Bracket{}) return Vector::Ones(dof_);
+    return Vector::NullaryExpr(dof_, [&](Eigen::Index) { return 1 + (sometimes(0.5) ? share.least : share.most); });
+  }
   /// Mostly one of the ends.
   double within(const Bracket& bracket) {
     if (sometimes(0.7)) return sometimes(0.5) ? bracket.least : bracket.most;
@@ -234,7 +240,7 @@ class Opponent {
   }
 
   void take_effect() {
-    command_ = commands_.front().torque;
+    command_ = gain_.cwiseProduct(commands_.front().torque);
     effect_s_ = commands_.front().effect_s;
     commands_.erase(commands_.begin());
     release_s_.reset();
@@ -253,7 +259,7 @@ class Opponent {
     const bool still = sometimes(0.1);
     for (Eigen::Index i = 0; i < dof_; ++i) {
       const double b = damping_(i, i);
-      const double most = std::abs(torque_[i]) * (1 + game_.truth.torque_share);
+      const double most = std::abs(torque_[i]) * (1 + game_.truth.torque_ripple_share);
       const double surplus = std::max(most - friction_[i], 0.0);
       way[i] = std::copysign(surplus, torque_[i]) * duration_s / (2 * b);  // takes the most
       if (draining_) {
@@ -277,7 +283,7 @@ class Opponent {
       for (Eigen::Index j = 0; j < dof_; ++j) change_J += way_m * damping_(i, j) * Real{way[j]} / Real{duration_s};
       const Real work_J = Real{torque_[i]} * way_m;
       change_J += Real{friction_[i]} * std::fabs(way_m) - work_J;
-      change_J -= Real{game_.truth.torque_share} * std::fabs(work_J);
+      change_J -= Real{game_.truth.torque_ripple_share} * std::fabs(work_J);
     }
     joint_ += way;
     energy_J_ += change_J;
@@ -341,6 +347,7 @@ class Opponent {
   bool spoilt_ = false;
   double told_latency_s_ = 0;
 
+  Vector gain_;  ///< what a motor makes of a command is so many times that
   Vector joint_;
   Vector read_;    ///< where it was at the reading
   Vector offset_;  ///< counts that were lost
@@ -366,7 +373,8 @@ control::Uncertainty uncertainty_of(const DeviceTruth& truth, const control::Dev
           .encoder_steps = truth.encoder_steps,
           .damping_share = truth.damping_share,
           .friction_share = truth.friction_share,
-          .torque_share = truth.torque_share,
+          .torque_gain_share = truth.torque_gain_share,
+          .torque_ripple_share = truth.torque_ripple_share,
           .actuator_lag_s = truth.actuator_lag_s};
 }
 

@@ -11,21 +11,22 @@ namespace forcebound::test {
 /// How a device truly is, where its facts say otherwise. Brackets and limits are drawn from anew on each tick, or for
 /// each game where only one value makes sense.
 struct DeviceTruth {
-  control::Bracket stamp_s{};      ///< latched so long after the stamp
-  control::Bracket latency_s{};    ///< the latency is longer by this
-  control::Bracket hold_s{};       ///< each stage of the release comes later by this
-  bool effects_reported = false;   ///< when a force took effect, where that was before the next reading
-  bool releases_reported = false;  ///< likewise when its release began
-  double early_release_share = 0;  ///< releases come early by up to this share of the hold time
-  double clock_share = 0;          ///< the stamps' clock is fast or slow by this share, drawn for each game
-  double encoder_steps = 0;        ///< readings are off by up to this
-  double damping_share = 0;        ///< of the damping is missing
-  double friction_share = 0;       ///< of the friction is missing
-  double torque_share = 0;         ///< the torque is off by this share, always to the opponent's advantage
-  double actuator_lag_s = 0;       ///< time constant
-  double failed_writes = 0;        ///< share of the commands
-  bool failures_reported = false;  ///< or not
-  double lost_counts = 0;          ///< share of the readings at which a count is lost
+  control::Bracket stamp_s{};            ///< latched so long after the stamp
+  control::Bracket latency_s{};          ///< the latency is longer by this
+  control::Bracket hold_s{};             ///< each stage of the release comes later by this
+  bool effects_reported = false;         ///< when a force took effect, where that was before the next reading
+  bool releases_reported = false;        ///< likewise when its release began
+  double early_release_share = 0;        ///< releases come early by up to this share of the hold time
+  double clock_share = 0;                ///< the stamps' clock is fast or slow by this share, drawn for each game
+  double encoder_steps = 0;              ///< readings are off by up to this
+  double damping_share = 0;              ///< of the damping is missing
+  double friction_share = 0;             ///< of the friction is missing
+  control::Bracket torque_gain_share{};  ///< each motor makes a constant times the command, drawn for each game
+  double torque_ripple_share = 0;        ///< the torque is off by this share, always to the opponent's advantage
+  double actuator_lag_s = 0;             ///< time constant
+  double failed_writes = 0;              ///< share of the commands
+  bool failures_reported = false;        ///< or not
+  double lost_counts = 0;                ///< share of the readings at which a count is lost
   double impossible_intervals =
       0;                     ///< share of the ticks at which the clock says what cannot be; at the next, anything
   double lost_readings = 0;  ///< share of the ticks, the first one's among them

@@ -464,7 +464,7 @@ TEST(ExactLaw, RefusesADeviceItCannotKeepPassive) {
               HasSubstr("uncertainty of stamps must be two times [s], least first, got 0.001 to -0.001"));
   EXPECT_THAT(refusal([](DeviceFacts& f) { f.uncertainty.damping_share = 1; }),
               HasSubstr("uncertainty of the damping must be a share of 0 to less than 1, got 1"));
-  EXPECT_THAT(refusal([](DeviceFacts& f) { f.uncertainty.torque_share = -0.1; }),
+  EXPECT_THAT(refusal([](DeviceFacts& f) { f.uncertainty.torque_ripple_share = -0.1; }),
               HasSubstr("uncertainty of the torque must be a share of 0 to less than 1, got -0.1"));
   EXPECT_THAT(refusal([](DeviceFacts& f) {
                 f.uncertainty.latency_s = {-1e-6, 0};

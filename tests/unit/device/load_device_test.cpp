@@ -128,7 +128,7 @@ TEST(ParseDevice, TakesBoundsOfWhatIsNotKnownExactly) {
       "latency_s = 1e-4\nrelease_share = 0.3\nrelease_s = 0.002\nspeed_m_per_s_max = 3\n[uncertainty]\n"
       "stamp_s = [-20e-6, 5e-6]\nlatency_s = [-1e-5, 5e-5]\nhold_s = [-1e-4, 1e-4]\n"
       "clock_share = 5e-4\nencoder_steps = 0.1\ndamping_share = 0.02\nfriction_share = 0.2\n"
-      "torque_share = 0.01\nactuator_lag_s = 1e-4\n";
+      "torque_ripple_share = 0.01\nactuator_lag_s = 1e-4\n";
   const DeviceDescription device = parse_device(text, "mine.toml");
   EXPECT_EQ(device.facts.uncertainty, (control::Uncertainty{.stamp_s = {-20e-6, 5e-6},
                                                             .latency_s = {-1e-5, 5e-5},
@@ -137,7 +137,7 @@ TEST(ParseDevice, TakesBoundsOfWhatIsNotKnownExactly) {
                                                             .encoder_steps = 0.1,
                                                             .damping_share = 0.02,
                                                             .friction_share = 0.2,
-                                                            .torque_share = 0.01,
+                                                            .torque_ripple_share = 0.01,
                                                             .actuator_lag_s = 1e-4}));
   EXPECT_EQ(device.facts.release_share, 0.3);
   EXPECT_EQ(device.facts.release_s, 0.002);
@@ -158,7 +158,7 @@ TEST(ParseDevice, RefusesBoundsThatNoDeviceCanHave) {
   EXPECT_THAT(with("hold_s = [-0.002, 0]\n"), HasSubstr("hold_s must be more than minus the hold time"));
   EXPECT_THAT(with("latency_s = [-1e-5, 0]\n"), HasSubstr("or a force would take effect before its command"));
   EXPECT_THAT(with("damping_share = 1\n"), HasSubstr("damping_share must be a share >= 0 and < 1, got 1"));
-  EXPECT_THAT(with("torque_share = -0.1\n"), HasSubstr("torque_share must be >= 0, got -0.1"));
+  EXPECT_THAT(with("torque_ripple_share = -0.1\n"), HasSubstr("torque_ripple_share must be >= 0, got -0.1"));
   EXPECT_THAT(with("damping_shore = 0.1\n"), HasSubstr("unknown key 'damping_shore', did you mean 'damping_share'?"));
   EXPECT_THAT(refusal_of_file(kPoint + std::string("uncertainty = 1\n")), HasSubstr("uncertainty must be a table"));
 }

@@ -13,22 +13,23 @@ namespace forcebound::device {
 /// A law is told of none of it but through the facts' uncertainty; `control::Uncertainty` has the same terms.
 struct DeviceFlaws {
   std::uint64_t seed = 1;
-  control::Bracket stamp_s{};      ///< a reading is latched so long after its stamp
-  control::Bracket latency_s{};    ///< the latency is longer than the facts' by this
-  control::Bracket hold_s{};       ///< each stage of the release comes later by this
-  double clock_share = 0;          ///< the caller's clock runs faster than time by this share, slower if negative
-  time::Nanoseconds frame{0};      ///< the bus latches and takes in commands only every so often; 0: at once
-  double encoder_steps = 0;        ///< a reading is off by up to so many steps before it is rounded
-  double lost_counts = 0;          ///< share of the readings at which a joint's encoder loses a count, for good
-  double damping_share = 0;        ///< of the damping is missing
-  double friction_share = 0;       ///< of the friction is missing
-  double torque_share = 0;         ///< the torque is off by this share, along with the motion
-  double actuator_lag_s = 0;       ///< time constant of the torque
-  double stale_readings = 0;       ///< share of the readings that are not new
-  double failed_writes = 0;        ///< share of the commands that never reach the motors
-  bool failures_reported = false;  ///< and the device says so
-  bool releases_reported = true;   ///< the device says when a release began
-  bool effects_reported = false;   ///< the device says when a force took effect
+  control::Bracket stamp_s{};            ///< a reading is latched so long after its stamp
+  control::Bracket latency_s{};          ///< the latency is longer than the facts' by this
+  control::Bracket hold_s{};             ///< each stage of the release comes later by this
+  double clock_share = 0;                ///< the caller's clock runs faster than time by this share, slower if negative
+  time::Nanoseconds frame{0};            ///< the bus latches and takes in commands only every so often; 0: at once
+  double encoder_steps = 0;              ///< a reading is off by up to so many steps before it is rounded
+  double lost_counts = 0;                ///< share of the readings at which a joint's encoder loses a count, for good
+  double damping_share = 0;              ///< of the damping is missing
+  double friction_share = 0;             ///< of the friction is missing
+  control::Bracket torque_gain_share{};  ///< each motor's torque is the command times a constant, 1 and so much more
+  double torque_ripple_share = 0;        ///< the torque is off by this share, along with the motion
+  double actuator_lag_s = 0;             ///< time constant of the torque
+  double stale_readings = 0;             ///< share of the readings that are not new
+  double failed_writes = 0;              ///< share of the commands that never reach the motors
+  bool failures_reported = false;        ///< and the device says so
+  bool releases_reported = true;         ///< the device says when a release began
+  bool effects_reported = false;         ///< the device says when a force took effect
 
   friend bool operator==(const DeviceFlaws&, const DeviceFlaws&) = default;
 };

@@ -34,7 +34,8 @@ control::Uncertainty bounds_of(const DeviceFlaws& flaws) noexcept {
           .encoder_steps = flaws.encoder_steps,
           .damping_share = flaws.damping_share,
           .friction_share = flaws.friction_share,
-          .torque_share = flaws.torque_share,
+          .torque_gain_share = flaws.torque_gain_share,
+          .torque_ripple_share = flaws.torque_ripple_share,
           .actuator_lag_s = flaws.actuator_lag_s};
 }
 
@@ -52,6 +53,7 @@ SimulatedDevice::SimulatedDevice(DeviceDescription description, std::unique_ptr<
               : control::Damping::from_joints(kinematics_->jacobian(motion_.position()), description_.facts.damping)),
       flaws_(flaws),
       random_(flaws.seed),
+      gain_(drawn_gain(motion_.position().size())),
       lost_(Vector::Zero(motion_.position().size())),
       torque_(Vector::Zero(motion_.position().size())),
       command_(torque_),
@@ -67,7 +69,7 @@ SimulatedDevice::SimulatedDevice(DeviceDescription description, std::unique_ptr<
 }
 
 Reading SimulatedDevice::read(Nanoseconds now) noexcept {
-  const Nanoseconds off = flaws_.stamp_s == control::Bracket{} ? Nanoseconds{0} : drawn(flaws_.stamp_s);
+  const Nanoseconds off = flaws_.stamp_s == control::Bracket{} ? Nanoseconds{0} : drawn_s(flaws_.stamp_s);
   advance_to(now + std::min(off, Nanoseconds{0}));
   Reading reading;
   if (flaws_.stale_readings > 0 && number(0, 1) < flaws_.stale_readings) {
@@ -109,7 +111,7 @@ void SimulatedDevice::apply(Nanoseconds now, const Vector& force_N) noexcept {
   // If the queue is full, the command replaces the newest one in it.
   pending_count_ = std::min(pending_count_ + 1, kPendingMax);
   Command& command = pending_[static_cast<std::size_t>(pending_count_ - 1)];
-  command.effect = time_ + time::from_seconds(facts().latency_s) + drawn(flaws_.latency_s);
+  command.effect = time_ + time::from_seconds(facts().latency_s) + drawn_s(flaws_.latency_s);
   if (flaws_.frame > Nanoseconds{0})
     command.effect = (command.effect + flaws_.frame - Nanoseconds{1}) / flaws_.frame * flaws_.frame;
   command.effect = std::max(command.effect, before);
@@ -161,7 +163,7 @@ void SimulatedDevice::advance_to(Nanoseconds now) noexcept {
 void SimulatedDevice::change_torque() noexcept {
   if (release_ && *release_ <= time_) let_go();
   while (pending_count_ > 0 && pending_[0].effect <= time_) {
-    command_ = pending_[0].torque;
+    command_ = gain_.cwiseProduct(pending_[0].torque);
     if (pending_count_ == 1 && flaws_.effects_reported && !write_failed_)
       effective_at_ = shown_time(pending_[0].effect);
     release_.reset();
@@ -169,9 +171,10 @@ void SimulatedDevice::change_torque() noexcept {
     if (facts().releases) {
       const bool staged = facts().release_share > 0 && facts().release_s > 0;
       const Nanoseconds held = pending_[0].effect + time::from_seconds(facts().hold_s_max);
-      release_ = std::max(time_, held + drawn(flaws_.hold_s));
+      release_ = std::max(time_, held + drawn_s(flaws_.hold_s));
       released_in_full_ =
-          staged ? std::max(*release_, held + time::from_seconds(facts().release_s) + drawn(flaws_.hold_s)) : *release_;
+          staged ? std::max(*release_, held + time::from_seconds(facts().release_s) + drawn_s(flaws_.hold_s))
+                 : *release_;
     }
     std::move(pending_.begin() + 1, pending_.begin() + pending_count_, pending_.begin());
     --pending_count_;
@@ -202,7 +205,7 @@ Nanoseconds SimulatedDevice::shown_time(Nanoseconds true_time) const noexcept {
 Nanoseconds SimulatedDevice::longest_piece() const noexcept {
   constexpr Nanoseconds kRipple = std::chrono::microseconds(100);
   constexpr double kLagPieces = 8;
-  Nanoseconds longest = flaws_.torque_share > 0 ? kRipple : kCell;
+  Nanoseconds longest = flaws_.torque_ripple_share > 0 ? kRipple : kCell;
   if (flaws_.actuator_lag_s > 0) {
     longest = std::min(longest, std::max(time::from_seconds(flaws_.actuator_lag_s / kLagPieces), Nanoseconds{1000}));
   }
@@ -215,10 +218,10 @@ void SimulatedDevice::move_motors(double length_s) noexcept {
   if (flaws_.actuator_lag_s > 0)
     torque_ = command_ + std::exp(-length_s / flaws_.actuator_lag_s) * (lagged_ - command_);
   lagged_ = torque_;
-  if (flaws_.torque_share == 0) return;
+  if (flaws_.torque_ripple_share == 0) return;
   for (Eigen::Index i = 0; i < torque_.size(); ++i) {
     const double with_motion = torque_[i] * motion_.velocity()[i] >= 0 ? 1 : -1;
-    torque_[i] *= 1 + with_motion * flaws_.torque_share;
+    torque_[i] *= 1 + with_motion * flaws_.torque_ripple_share;
   }
 }
 
@@ -233,11 +236,20 @@ void SimulatedDevice::read_encoders(Vector& joint) noexcept {
   }
 }
 
-Nanoseconds SimulatedDevice::drawn(const control::Bracket& bracket_s) noexcept {
-  if (bracket_s.least == bracket_s.most) return time::from_seconds(bracket_s.least);
+/// Mostly one of its ends.
+double SimulatedDevice::drawn(const control::Bracket& bracket) noexcept {
+  if (bracket.least == bracket.most) return bracket.least;
   constexpr double kEnds = 0.7;
   const double where = number(0, 1) < kEnds ? std::round(number(0, 1)) : number(0, 1);
-  return time::from_seconds(bracket_s.least + where * (bracket_s.most - bracket_s.least));
+  return bracket.least + where * (bracket.most - bracket.least);
+}
+
+Nanoseconds SimulatedDevice::drawn_s(const control::Bracket& bracket_s) noexcept {
+  return time::from_seconds(drawn(bracket_s));
+}
+
+Vector SimulatedDevice::drawn_gain(Eigen::Index joints) noexcept {
+  return Vector::NullaryExpr(joints, [this](Eigen::Index) { return 1 + drawn(flaws_.torque_gain_share); });
 }
 
 double SimulatedDevice::number(double low, double high) noexcept {

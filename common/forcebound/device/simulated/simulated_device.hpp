@@ -90,7 +90,9 @@ class SimulatedDevice final : public HapticDevice {
   [[nodiscard]] Nanoseconds true_time(Nanoseconds now) const noexcept;
   [[nodiscard]] Nanoseconds shown_time(Nanoseconds true_time) const noexcept;
   [[nodiscard]] Nanoseconds longest_piece() const noexcept;
-  [[nodiscard]] Nanoseconds drawn(const control::Bracket& bracket_s) noexcept;
+  [[nodiscard]] double drawn(const control::Bracket& bracket) noexcept;
+  [[nodiscard]] Nanoseconds drawn_s(const control::Bracket& bracket_s) noexcept;
+  [[nodiscard]] Vector drawn_gain(Eigen::Index joints) noexcept;
   [[nodiscard]] double number(double low, double high) noexcept;
   void read_encoders(Vector& joint) noexcept;
   void move_motors(double length_s) noexcept;
@@ -103,6 +105,7 @@ class SimulatedDevice final : public HapticDevice {
 
   DeviceFlaws flaws_;
   std::mt19937_64 random_;
+  Vector gain_;  ///< of the motors
   Vector lost_;  ///< counts, as positions
 
   // All times below are true and since the start, but for effective_at_ and released_at_, which are the caller's.

@@ -222,7 +222,8 @@ void draw_flaws(SoakCase& drawn, Draw draw) {
   flaws.encoder_steps = draw.one_of({0.0, 0.1, 0.5});
   flaws.damping_share = draw.one_of({0.0, 0.01, 0.2});
   flaws.friction_share = draw.one_of({0.0, 0.2});
-  flaws.torque_share = draw.one_of({0.0, 0.01, 0.05});
+  flaws.torque_gain_share = {-draw.one_of({0.0, 0.0, 0.03, 0.1}), draw.one_of({0.0, 0.03, 0.1})};
+  flaws.torque_ripple_share = draw.one_of({0.0, 0.01, 0.05});
   flaws.actuator_lag_s = draw.one_of({0.0, 0.0, 1e-4, 5e-4});
   flaws.failed_writes = draw.one_of({0.0, 0.0, 0.01});
   flaws.failures_reported = draw.chance(0.8);

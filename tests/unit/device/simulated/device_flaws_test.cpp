@@ -116,7 +116,7 @@ TEST(DeviceFlaws, LetTheTorqueFollowTheCommandNoSlowerThanTheLag) {
 }
 
 TEST(DeviceFlaws, AddToTheTorqueAlongWithTheMotion) {
-  SimulatedDevice device = device_with({.torque_share = 0.1});
+  SimulatedDevice device = device_with({.torque_ripple_share = 0.1});
   EXPECT_NEAR(speed_of(device, milliseconds(1)), 1.1 * speed_under_one_newton(1e-3), 1e-12);
 }
 

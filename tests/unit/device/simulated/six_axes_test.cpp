@@ -196,7 +196,7 @@ TEST(SixAxesDevice, IsPassiveWithTheExactLawForAnyRestlessHandAndNetwork) {
       flaws.latency_s = {0, 1e-4};
       flaws.damping_share = 0.2;
       flaws.friction_share = 0.3;
-      flaws.torque_share = 0.05;
+      flaws.torque_ripple_share = 0.05;
       flaws.encoder_steps = 0.3;
     }
     SixAxes run(hand, "fba-exact", flaws);

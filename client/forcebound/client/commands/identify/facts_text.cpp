@@ -134,7 +134,8 @@ void write_uncertainty(Lines& lines, const Findings& findings, const control::De
   lines.fact("stamp_s", bracket(told.stamp_s.least, told.stamp_s.most), as_told);
   lines.fact("clock_share", text::to_text(told.clock_share), as_told);
   lines.fact("encoder_steps", text::to_text(told.encoder_steps), as_told);
-  lines.fact("torque_share", text::to_text(told.torque_share), as_told);
+  lines.fact("torque_gain_share", bracket(told.torque_gain_share.least, told.torque_gain_share.most), as_told);
+  lines.fact("torque_ripple_share", text::to_text(told.torque_ripple_share), as_told);
   lines.fact("actuator_lag_s", text::to_text(told.actuator_lag_s), as_told);
 }
 
