@@ -465,7 +465,15 @@ TEST(ExactLaw, RefusesADeviceItCannotKeepPassive) {
   EXPECT_THAT(refusal([](DeviceFacts& f) { f.uncertainty.damping_share = 1; }),
               HasSubstr("uncertainty of the damping must be a share of 0 to less than 1, got 1"));
   EXPECT_THAT(refusal([](DeviceFacts& f) { f.uncertainty.torque_ripple_share = -0.1; }),
-              HasSubstr("uncertainty of the torque must be a share of 0 to less than 1, got -0.1"));
+              HasSubstr("ripple of the torque must be a share of 0 to less than 1, got -0.1"));
+  EXPECT_THAT(refusal([](DeviceFacts& f) {
+                f.uncertainty.torque_gain_share = {0.1, -0.1};
+              }),
+              HasSubstr("uncertainty of the motors' gain must be two shares, least first, got 0.1 to -0.1"));
+  EXPECT_THAT(refusal([](DeviceFacts& f) {
+                f.uncertainty.torque_gain_share = {-1, 0};
+              }),
+              HasSubstr("gain must be more than -1, or it could be zero, got -1"));
   EXPECT_THAT(refusal([](DeviceFacts& f) {
                 f.uncertainty.latency_s = {-1e-6, 0};
               }),

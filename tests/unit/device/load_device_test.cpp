@@ -128,7 +128,7 @@ TEST(ParseDevice, TakesBoundsOfWhatIsNotKnownExactly) {
       "latency_s = 1e-4\nrelease_share = 0.3\nrelease_s = 0.002\nspeed_m_per_s_max = 3\n[uncertainty]\n"
       "stamp_s = [-20e-6, 5e-6]\nlatency_s = [-1e-5, 5e-5]\nhold_s = [-1e-4, 1e-4]\n"
       "clock_share = 5e-4\nencoder_steps = 0.1\ndamping_share = 0.02\nfriction_share = 0.2\n"
-      "torque_ripple_share = 0.01\nactuator_lag_s = 1e-4\n";
+      "torque_gain_share = [-0.03, 0.1]\ntorque_ripple_share = 0.01\nactuator_lag_s = 1e-4\n";
   const DeviceDescription device = parse_device(text, "mine.toml");
   EXPECT_EQ(device.facts.uncertainty, (control::Uncertainty{.stamp_s = {-20e-6, 5e-6},
                                                             .latency_s = {-1e-5, 5e-5},
@@ -137,6 +137,7 @@ TEST(ParseDevice, TakesBoundsOfWhatIsNotKnownExactly) {
                                                             .encoder_steps = 0.1,
                                                             .damping_share = 0.02,
                                                             .friction_share = 0.2,
+                                                            .torque_gain_share = {-0.03, 0.1},
                                                             .torque_ripple_share = 0.01,
                                                             .actuator_lag_s = 1e-4}));
   EXPECT_EQ(device.facts.release_share, 0.3);
@@ -145,6 +146,11 @@ TEST(ParseDevice, TakesBoundsOfWhatIsNotKnownExactly) {
   EXPECT_THAT(describe(device.facts),
               HasSubstr("then 0.3 of it for 0.002 s, latency 0.0001 s; may be off: readings -2e-05 to 5e-06 s later"));
   EXPECT_EQ(parse_device(kPoint, "mine.toml").facts.uncertainty, control::Uncertainty{}) << "exact unless said";
+  const auto told = [](const std::string& line) {
+    return parse_device(kPoint + ("[uncertainty]\n" + line), "mine.toml").facts.uncertainty;
+  };
+  EXPECT_EQ(told("torque_gain_share = 0.03\n").torque_gain_share, (control::Bracket{-0.03, 0.03}));
+  EXPECT_EQ(told("torque_share = 0.02\n").torque_ripple_share, 0.02) << "its name before";
 }
 
 TEST(ParseDevice, RefusesBoundsThatNoDeviceCanHave) {
@@ -159,6 +165,12 @@ TEST(ParseDevice, RefusesBoundsThatNoDeviceCanHave) {
   EXPECT_THAT(with("latency_s = [-1e-5, 0]\n"), HasSubstr("or a force would take effect before its command"));
   EXPECT_THAT(with("damping_share = 1\n"), HasSubstr("damping_share must be a share >= 0 and < 1, got 1"));
   EXPECT_THAT(with("torque_ripple_share = -0.1\n"), HasSubstr("torque_ripple_share must be >= 0, got -0.1"));
+  EXPECT_THAT(with("torque_share = 0.1\ntorque_ripple_share = 0.1\n"),
+              HasSubstr("torque_share must be left out: it is the older name of torque_ripple_share"));
+  EXPECT_THAT(with("torque_gain_share = 1\n"), HasSubstr("torque_gain_share must be a share >= 0 and < 1, got 1"));
+  EXPECT_THAT(with("torque_gain_share = [-1, 0]\n"),
+              HasSubstr("torque_gain_share must be more than -1, or the motors' gain could be zero"));
+  EXPECT_THAT(with("torque_gain_share = [0.1, 0]\n"), HasSubstr("two numbers, the smaller one first"));
   EXPECT_THAT(with("damping_shore = 0.1\n"), HasSubstr("unknown key 'damping_shore', did you mean 'damping_share'?"));
   EXPECT_THAT(refusal_of_file(kPoint + std::string("uncertainty = 1\n")), HasSubstr("uncertainty must be a table"));
 }
