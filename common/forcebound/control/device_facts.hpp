@@ -18,13 +18,15 @@ struct Bracket {
 /// How far the truth may be from a device's facts and from the stamps of its readings and commands. All zero: they are
 /// exact. A law that promises passivity promises it for every truth within these bounds.
 struct Uncertainty {
-  Bracket stamp_s{};       ///< a reading was latched, or a reported effect or release happened, so long after its stamp
-  Bracket latency_s{};     ///< the latency is longer than the facts' by this
-  Bracket hold_s{};        ///< each stage of the release comes later than the facts say by this
-  double clock_share = 0;  ///< the clock of the stamps is faster or slower by up to this share
-  double encoder_steps = 0;        ///< a reading is off by so many steps beyond the half that rounding explains
-  double damping_share = 0;        ///< the damping is smaller by up to this share
-  double friction_share = 0;       ///< likewise the friction
+  Bracket stamp_s{};    ///< a reading was latched, or a reported effect or release happened, so long after its stamp
+  Bracket latency_s{};  ///< the latency is longer than the facts' by this
+  Bracket latency_offset_s{};  ///< and by one constant within this, counted from the readings' stamps: where a stamp is
+                               ///< late by a constant, the effect is early by it
+  Bracket hold_s{};            ///< each stage of the release comes later than the facts say by this
+  double clock_share = 0;      ///< the clock of the stamps is faster or slower by up to this share
+  double encoder_steps = 0;    ///< a reading is off by so many steps beyond the half that rounding explains
+  double damping_share = 0;    ///< the damping is smaller by up to this share
+  double friction_share = 0;   ///< likewise the friction
   Bracket torque_gain_share{};     ///< each motor's torque is the command times one constant, 1 and so much more
   double torque_ripple_share = 0;  ///< and is off by up to this share of that, another one at each instant
   double actuator_lag_s = 0;  ///< the torque follows the command with a first-order lag of up to this time constant

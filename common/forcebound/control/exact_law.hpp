@@ -1,16 +1,13 @@
 #pragma once
 
-#include <array>
 #include <limits>
 #include <optional>
 
 #include "forcebound/control/device_facts.hpp"
 #include "forcebound/control/energy_sum.hpp"
-#include "forcebound/control/force_times.hpp"
-#include "forcebound/control/held_torques.hpp"
+#include "forcebound/control/exact_ledger.hpp"
 #include "forcebound/control/law.hpp"
 #include "forcebound/control/law_description.hpp"
-#include "forcebound/control/least_energy.hpp"
 
 namespace forcebound::control {
 
@@ -81,92 +78,41 @@ class ExactLaw final : public PassivityLaw {
   void commit(const Vector& force_N) noexcept override;
 
   /// E_n [J]; below zero while a deficit is repaid.
-  [[nodiscard]] double energy_J() const noexcept override { return at_effect(latency_s_max_).energy_J; }
+  [[nodiscard]] double energy_J() const noexcept override;
 
   /// What was forgotten because no force of this device could need it: nothing that is felt is lost by giving it away.
   [[nodiscard]] double energy_given_J() const noexcept override { return given_.value_J(); }
 
   void receive_energy(double energy_J) noexcept override;
 
-  /// Whether a joint's knots were ever merged: since then the energy may be less than could be known.
-  [[nodiscard]] bool knots_merged() const noexcept;
+  /// ExactLedger::knots_merged
+  [[nodiscard]] bool knots_merged() const noexcept { return early_.knots_merged() || (late_ && late_->knots_merged()); }
 
  private:
-  using PerJoint = std::array<double, kJointsMax>;
-  /// One joint, as it is with the least gain of its motor and with the most. One of them where the gain is known.
-  struct Joint {
-    LeastEnergy least;
-    LeastEnergy most;
-    EnergySum more;  ///< by so much the minimum of V at the most gain exceeds that at the least [J]
-  };
-  /// What is left at the time at which the next force takes effect [J].
-  struct AtEffect {
-    double energy_J = 0;      ///< with the worse gain of each joint
-    PerJoint more_at_most{};  ///< S: so much more each joint has with the most gain, or 0
-    bool lag_leaves = false;  ///< something of earlier torques that friction does not hold
-  };
-
-  /// What a stage of the release needs in one joint, for s times a torque: weight max(s - begin, 0)^2 [J].
-  struct Stage {
-    double begin = 0;
-    double weight = 0;
-  };
-
-  [[nodiscard]] const Joint& joint(Eigen::Index i) const noexcept { return joints_[static_cast<std::size_t>(i)]; }
-
-  /// Adds to joint i's energy what `change_J(V, gain)` gives for each gain that its motor may have.
-  template <typename Change>
-  void add(Eigen::Index i, Change&& change_J) noexcept {
-    Joint& joint = joints_[static_cast<std::size_t>(i)];
-    const double least_J = change_J(joint.least, gain_.least);
-    energy_.add(least_J);
-    if (!gain_known()) joint.more.add(change_J(joint.most, gain_.most) - least_J);
-  }
-
-  [[nodiscard]] LeastEnergy::Tube tube(Eigen::Index joint, double reading) const noexcept;
-  [[nodiscard]] bool gain_known() const noexcept { return gain_.least == gain_.most; }
-  void note_times(const Motion& motion) noexcept;
-  void note_command(const Motion& motion) noexcept;
-  void let_act(double duration_s, double stretch) noexcept;
-  void charge_all() noexcept;
   void forget_excess() noexcept;
-  [[nodiscard]] AtEffect at_effect(double latency_s) const noexcept;
-  [[nodiscard]] std::optional<AtEffect> spendable(double latency_s) const noexcept;
-  [[nodiscard]] double spread_of(double size, double spread) const noexcept {
-    return spread + ripple_share_ * (size + spread);
-  }
-  [[nodiscard]] double lag_can_take_J(Eigen::Index i, double left) const noexcept;
-  [[nodiscard]] double needed_J(Eigen::Index i, double torque) const noexcept;
-  [[nodiscard]] double needed_J(const Vector& torque, const PerJoint& more_at_most) const noexcept;
-  [[nodiscard]] std::array<Stage, 2> stages(Eigen::Index i, double torque) const noexcept;
-  [[nodiscard]] double largest_scale(const Vector& torque, const AtEffect& spendable) const noexcept;
 
-  Eigen::Index joint_count_;
+  template <typename Visit>
+  void each(Visit&& visit) noexcept {
+    visit(early_);
+    if (late_) visit(*late_);
+  }
+  template <typename Visit>
+  void each(Visit&& visit) const noexcept {
+    visit(early_);
+    if (late_) visit(*late_);
+  }
+
   Eigen::Index dof_;  // rows of a force
-  std::array<Joint, kJointsMax> joints_;
-  Vector encoder_half_;
-  double period_s_;
-  ForceTimes times_;
-  ReleaseStages paid_;  // the stages that the reserve of a force is for
-  Bracket stamp_s_;
-  Bracket latency_s_;  // beyond what the motion says
-  Bracket gain_;       // of each motor
-  double ripple_share_;
-  double lag_s_;
   double force_N_max_;
   double torque_N_m_max_;
   Eigen::Index rotations_;
   EnergyMemory memory_;
   Spending spending_;
 
-  EnergySum energy_;  // with the least gain of all motors
+  ExactLedger early_;                // with the least offset of the times of effect,
+  std::optional<ExactLedger> late_;  // and the most, unless both are the same
   EnergySum given_;
-  bool located_ = false;  // V is known
-  double blind_s_ = 0;    // so long no force and no credit: the forces in effect are not known
-  StampCheck stamps_;
   Matrix jacobian_;
-  HeldTorques held_;
-  Vector committed_;  // when it takes effect, the next motion tells
   double latency_s_max_ = 0;
   double interval_s_ = 0;
   double shown_share_ = 1;  // of the latest request
