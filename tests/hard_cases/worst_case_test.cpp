@@ -24,6 +24,13 @@ struct WithGain {
   test::WorstCase worst;
 };
 
+/// What is known of a device whose forces come later by one constant.
+struct World {
+  double offset_s = 0;
+  std::vector<std::array<WithGain, 2>> joints{};  ///< with the least gain of the motor and with the most
+  std::vector<std::vector<test::KnownCommand>> commands{};
+};
+
 class Draw {
  public:
   explicit Draw(std::uint64_t seed) : random_(seed) {}
@@ -42,13 +49,12 @@ class Draw {
 class CheckedRun {
  public:
   explicit CheckedRun(std::uint64_t seed) : draw_(seed), facts_(drawn_facts()), law_(facts_, EnergyMemory::full) {
-    for (Eigen::Index i = 0; i < facts_.damping.rows(); ++i) {
-      const Bracket& gain_share = facts_.uncertainty.torque_gain_share;
-      const test::WorstCase worst((1 - Real{facts_.uncertainty.damping_share}) * facts_.damping(i, i),
-                                  (1 - Real{facts_.uncertainty.friction_share}) * facts_.friction[i]);
-      joints_.push_back({{{1 + Real{gain_share.least}, worst}, {1 + Real{gain_share.most}, worst}}});
-      commands_.push_back({{}});
+    const Bracket& offset_s = facts_.uncertainty.latency_offset_s;
+    for (const double share : {0.0, 0.5, 1.0}) {
+      worlds_.push_back({offset_s.least + share * (offset_s.most - offset_s.least)});
     }
+    may_be_less_ = offset_s.least < offset_s.most;
+    for (World& world : worlds_) add_joints(world);
     const Uncertainty& doubt = facts_.uncertainty;
     most_turnover_J_ = 1e-4L * size_N_ * natural_m_;  // what rounding is relative to at the least
     const bool staged = facts_.release_share > 0 && facts_.release_s > 0;
@@ -56,6 +62,16 @@ class CheckedRun {
     release_ = {.full_s = {facts_.hold_s_max + doubt.hold_s.least, facts_.hold_s_max + doubt.hold_s.most},
                 .share = staged ? facts_.release_share : 0,
                 .part_s = {part_s + doubt.hold_s.least, part_s + doubt.hold_s.most}};
+  }
+
+  void add_joints(World& world) const {
+    for (Eigen::Index i = 0; i < facts_.damping.rows(); ++i) {
+      const Bracket& gain_share = facts_.uncertainty.torque_gain_share;
+      const test::WorstCase worst((1 - Real{facts_.uncertainty.damping_share}) * facts_.damping(i, i),
+                                  (1 - Real{facts_.uncertainty.friction_share}) * facts_.friction[i]);
+      world.joints.push_back({{{1 + Real{gain_share.least}, worst}, {1 + Real{gain_share.most}, worst}}});
+      world.commands.push_back({{}});
+    }
   }
 
   void play(int ticks) {
@@ -112,6 +128,7 @@ class CheckedRun {
     doubt.friction_share = draw_.one_of({0, 0.5});
     doubt.torque_ripple_share = draw_.one_of({0, 0, 0.01, 0.2});
     doubt.torque_gain_share = {-draw_.one_of({0, 0, 0.01, 0.3}), draw_.one_of({0, 0, 0.01, 0.3})};
+    doubt.latency_offset_s = {-facts.latency_s * draw_.one_of({0, 0, 0, 0.5}), t * draw_.one_of({0, 0, 0, 0.1, 2})};
     doubt.clock_share = draw_.one_of({0, 0, 0, 1e-3, 0.1});
     writes_failed_ = draw_.one_of({0, 0, 0, 0.1});
     effects_reported_ = draw_.one_of({0, 0, 0.7});
@@ -152,46 +169,55 @@ class CheckedRun {
 
   /// Lets the joints' worst case see what the law will be told.
   void follow(bool first) {
-    const Uncertainty& doubt = facts_.uncertainty;
-    for (std::size_t i = 0; i < joints_.size(); ++i) {
-      const auto row = static_cast<Eigen::Index>(i);
-      auto& commands = commands_[i];
-      if (first) {
-        commands[0] = {0, {0, 0}};
-      } else {
-        const auto& newest = commands.back().begin_s;
-        const Bracket begin_s = effect_s();
-        commands.push_back({committed_[row],
-                            {std::max(newest.least, begin_s.least), std::max({newest.most, begin_s.most, 0.0})},
-                            !motion_.write_failed});
-        // Fewer torques are possible than in the law's one band for a write that failed.
-        may_be_less_ = may_be_less_ || motion_.write_failed;
-        const Real end_s = Real{longest(motion_.interval_s)} + doubt.stamp_s.most;
-        for (const auto& torque : test::torques_between(commands, release_, doubt.stamp_s.least, end_s)) {
-          for (auto& end : joints_[i]) {
-            end.worst.hold(end.gain * torque.mid, spread(end.gain, torque), torque.duration_s);
-          }
-        }
-        for (auto& command : commands) {
-          command.begin_s.least -= longest(motion_.interval_s);
-          command.begin_s.most -= shortest(motion_.interval_s);
-        }
-        const auto in_effect = std::find_if(commands.rbegin(), commands.rend() - 1, [&](const auto& command) {
-          return command.certain && command.begin_s.most <= doubt.stamp_s.least;
-        });
-        commands.erase(commands.begin(), in_effect.base() - 1);
-      }
-      const Real half = (Real{0.5} + doubt.encoder_steps) * facts_.encoder_step[row];
-      for (auto& end : joints_[i]) {
+    for (World& world : worlds_) {
+      for (std::size_t i = 0; i < world.joints.size(); ++i) {
         if (first) {
-          end.worst.begin(-half, half);
+          world.commands[i][0] = {0, {0, 0}};
         } else {
-          end.worst.move_origin(Real{motion_.joint[row]} - reading_[row]);
-          ASSERT_TRUE(end.worst.read(-half, half));
+          pass(world, i);
         }
+        read(world.joints[i], static_cast<Eigen::Index>(i), first);
       }
     }
     reading_ = motion_.joint;
+  }
+
+  void pass(World& world, std::size_t i) {
+    const Uncertainty& doubt = facts_.uncertainty;
+    auto& commands = world.commands[i];
+    const auto& newest = commands.back().begin_s;
+    const Bracket begin_s = effect_s(world.offset_s);
+    commands.push_back({committed_[static_cast<Eigen::Index>(i)],
+                        {std::max(newest.least, begin_s.least), std::max({newest.most, begin_s.most, 0.0})},
+                        !motion_.write_failed});
+    // Fewer torques are possible than in the law's one band for a write that failed.
+    may_be_less_ = may_be_less_ || motion_.write_failed;
+    const Real end_s = Real{longest(motion_.interval_s)} + doubt.stamp_s.most;
+    for (const auto& torque : test::torques_between(commands, release_, doubt.stamp_s.least, end_s)) {
+      for (auto& end : world.joints[i]) {
+        end.worst.hold(end.gain * torque.mid, spread(end.gain, torque), torque.duration_s);
+      }
+    }
+    for (auto& command : commands) {
+      command.begin_s.least -= longest(motion_.interval_s);
+      command.begin_s.most -= shortest(motion_.interval_s);
+    }
+    const auto in_effect = std::find_if(commands.rbegin(), commands.rend() - 1, [&](const auto& command) {
+      return command.certain && command.begin_s.most <= doubt.stamp_s.least;
+    });
+    commands.erase(commands.begin(), in_effect.base() - 1);
+  }
+
+  void read(std::array<WithGain, 2>& joint, Eigen::Index row, bool first) {
+    const Real half = (Real{0.5} + facts_.uncertainty.encoder_steps) * facts_.encoder_step[row];
+    for (auto& end : joint) {
+      if (first) {
+        end.worst.begin(-half, half);
+      } else {
+        end.worst.move_origin(Real{motion_.joint[row]} - reading_[row]);
+        ASSERT_TRUE(end.worst.read(-half, half));
+      }
+    }
   }
 
   /// True time of what the clock shows.
@@ -199,11 +225,12 @@ class CheckedRun {
   [[nodiscard]] double shortest(double shown_s) const { return shown_s * (1 - facts_.uncertainty.clock_share); }
 
   /// When the last command took effect, after the reading before it.
-  [[nodiscard]] Bracket effect_s() const {
+  [[nodiscard]] Bracket effect_s(double offset_s) const {
     const Uncertainty& doubt = facts_.uncertainty;
-    const Bracket by_facts{shortest(motion_.latency_s) + doubt.latency_s.least,
-                           longest(motion_.latency_s) + doubt.latency_s.most};
-    if (std::isnan(motion_.effect_s)) return by_facts;
+    Bracket by_facts{shortest(motion_.latency_s) + doubt.latency_s.least,
+                     longest(motion_.latency_s) + doubt.latency_s.most};
+    if (std::isnan(motion_.effect_s)) return {by_facts.least + offset_s, by_facts.most + offset_s};
+    by_facts = {by_facts.least + doubt.latency_offset_s.least, by_facts.most + doubt.latency_offset_s.most};
     const double commanded_s = shortest(std::max(motion_.latency_s - facts_.latency_s, 0.0));
     const Bracket told{std::max(shortest(motion_.effect_s) + doubt.stamp_s.least, commanded_s),
                        longest(motion_.effect_s) + doubt.stamp_s.most};
@@ -219,27 +246,12 @@ class CheckedRun {
   }
 
   void compare(int tick) {
-    const Uncertainty& doubt = facts_.uncertainty;
-    Real energy_J = 0;
+    Real energy_J = std::numeric_limits<Real>::infinity();
     Real turnover_J = 0;
-    for (std::size_t i = 0; i < joints_.size(); ++i) {
-      const auto row = static_cast<Eigen::Index>(i);
-      const Real until_s = std::max(commands_[i].size() > 1 ? Real{commands_[i].back().begin_s.most} : Real{0},
-                                    Real{longest(facts_.latency_s)} + doubt.latency_s.most);
-      Real joint_J = std::numeric_limits<Real>::infinity();
-      for (const auto& end : joints_[i]) {
-        Real left_J = end.worst.least_J();
-        turnover_J += std::fabs(left_J);
-        for (const auto& torque : test::torques_between(commands_[i], release_, doubt.stamp_s.least, until_s)) {
-          const Real reserve_J =
-              end.worst.reserve_J(end.gain * torque.mid, spread(end.gain, torque), torque.duration_s);
-          left_J -= reserve_J;
-          turnover_J += reserve_J;
-        }
-        joint_J = std::min(joint_J, left_J);
-      }
-      energy_J += joint_J;
-      turnover_J += std::fabs(Real{committed_.rows() > 0 ? committed_[row] : 0.0}) * natural_m_;
+    for (const World& world : worlds_) {
+      Real of_world_J = 0;
+      for (std::size_t i = 0; i < world.joints.size(); ++i) of_world_J += left_J(world, i, turnover_J);
+      energy_J = std::min(energy_J, of_world_J);
     }
     most_turnover_J_ = std::max(most_turnover_J_, turnover_J);
     const Real above_J = law_.energy_J() - energy_J;
@@ -253,6 +265,28 @@ class CheckedRun {
     ASSERT_GE(static_cast<double>(above_J), static_cast<double>(-1e-6L * most_turnover_J_)) << "tick " << tick;
   }
 
+  /// What of a joint's energy is left when the next force takes effect.
+  Real left_J(const World& world, std::size_t i, Real& turnover_J) const {
+    const Uncertainty& doubt = facts_.uncertainty;
+    const auto& commands = world.commands[i];
+    const Real until_s = std::max(commands.size() > 1 ? Real{commands.back().begin_s.most} : Real{0},
+                                  Real{longest(facts_.latency_s)} + doubt.latency_s.most + world.offset_s);
+    Real joint_J = std::numeric_limits<Real>::infinity();
+    for (const auto& end : world.joints[i]) {
+      Real left_J = end.worst.least_J();
+      turnover_J += std::fabs(left_J);
+      for (const auto& torque : test::torques_between(commands, release_, doubt.stamp_s.least, until_s)) {
+        const Real reserve_J = end.worst.reserve_J(end.gain * torque.mid, spread(end.gain, torque), torque.duration_s);
+        left_J -= reserve_J;
+        turnover_J += reserve_J;
+      }
+      joint_J = std::min(joint_J, left_J);
+    }
+    const auto row = static_cast<Eigen::Index>(i);
+    turnover_J += std::fabs(Real{committed_.rows() > 0 ? committed_[row] : 0.0}) * natural_m_;
+    return joint_J;
+  }
+
   Draw draw_;
   double size_N_ = 1;
   double natural_m_ = 1;
@@ -260,8 +294,7 @@ class CheckedRun {
   double effects_reported_ = 0;  ///< share of those of which the device says when they took effect
   DeviceFacts facts_;
   ExactLaw law_;
-  std::vector<std::array<WithGain, 2>> joints_;  ///< with the least gain of the motor and with the most
-  std::vector<std::vector<test::KnownCommand>> commands_;
+  std::vector<World> worlds_;
   test::KnownRelease release_;
   Motion motion_;
   Vector reading_;

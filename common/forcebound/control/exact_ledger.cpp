@@ -37,7 +37,7 @@ ExactLedger::ExactLedger(const DeviceFacts& facts, double offset_s)
                                  std::make_index_sequence<kJointsMax>())),
       encoder_half_((0.5 * (1 + kStepRounding) + facts.uncertainty.encoder_steps) * facts.encoder_step),
       period_s_(facts.period_s),
-      times_(facts),
+      times_(facts, offset_s),
       paid_(times_.longest_release()),
       stamp_s_(facts.uncertainty.stamp_s),
       latency_s_(facts.uncertainty.latency_s),
@@ -50,7 +50,9 @@ ExactLedger::ExactLedger(const DeviceFacts& facts, double offset_s)
       lag_s_(facts.uncertainty.actuator_lag_s),
       // Proof, A9: nothing is in effect before the first force.
       held_(joint_count_, lag_s_),
-      committed_(Vector::Zero(joint_count_)) {}
+      latest_mid_(Vector::Zero(joint_count_)),
+      latest_spread_(latest_mid_),
+      committed_(latest_mid_) {}
 
 void ExactLedger::pass(const Motion& motion) noexcept {
   note_command(motion);
@@ -92,9 +94,7 @@ void ExactLedger::note_command(const Motion& motion) noexcept {
   // Proof, A6, A7 and A8: when it takes effect and ends, and that what is not said to have failed is carried out in
   // order.
   Bracket effect_s = times_.effect(motion);
-  // Where the device tells, no constant is left in doubt.
-  bool settled = std::isfinite(motion.effect_s);
-  if (!settled) effect_s = {effect_s.least + offset_s_, effect_s.most + offset_s_};
+  bool settled = times_.effect_is_told(motion);
   if (!offset_known() && effect_s.least + other_offsets_s_.least < held_.newest_most_s() + other_offsets_s_.most) {
     // With another constant, this one would be kept in order and that one would not.
     held_.settle({-ReleaseStages::kNever, ReleaseStages::kNever}, other_offsets_s_);
@@ -107,9 +107,7 @@ void ExactLedger::note_command(const Motion& motion) noexcept {
 }
 
 void ExactLedger::let_act(double duration_s, double stretch) noexcept {
-  Vector jumps = Vector::Zero(joint_count_);  // of the torque, from piece to piece, together
-  Vector mid_before = jumps;
-  Vector spread_before = jumps;
+  Vector jumps = Vector::Zero(joint_count_);  // of the torque from piece to piece, together
   double passed_s = 0;
   held_.each_piece(
       stamp_s_.least, duration_s + stamp_s_.most, [&](const Vector& mid, const Vector& spread, double piece_s) {
@@ -119,10 +117,12 @@ void ExactLedger::let_act(double duration_s, double stretch) noexcept {
           });
         }
         if (offset_known()) return;
-        if (passed_s > 0) jumps += (mid - mid_before).cwiseAbs() + spread + spread_before;
-        mid_before = mid;
-        spread_before = spread;
         passed_s += piece_s * stretch;
+        if (mid != latest_mid_ || spread != latest_spread_) {
+          jumps += (mid - latest_mid_).cwiseAbs() + spread + latest_spread_;
+          latest_mid_ = mid;
+          latest_spread_ = spread;
+        }
       });
   if (!offset_known()) charge_between(jumps, passed_s);
 }

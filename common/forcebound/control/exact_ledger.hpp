@@ -124,7 +124,9 @@ class ExactLedger {
   double blind_s_ = 0;    // so long no force and no credit: the forces in effect are not known
   StampCheck stamps_;
   HeldTorques held_;
-  Vector committed_;  // when it takes effect, the next motion tells
+  Vector latest_mid_;     // of the latest piece that has passed, whose changes count where the offset is not known
+  Vector latest_spread_;  // likewise
+  Vector committed_;      // when it takes effect, the next motion tells
 };
 
 }  // namespace forcebound::control

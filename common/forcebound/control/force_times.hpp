@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "forcebound/control/device_facts.hpp"
 #include "forcebound/control/held_torques.hpp"
 #include "forcebound/control/law.hpp"
@@ -17,10 +19,14 @@ namespace forcebound::control {
 /// Real time: noexcept, no allocation. A value.
 class ForceTimes {
  public:
-  explicit ForceTimes(const DeviceFacts& facts) noexcept;
+  /// @param offset_s of the bracket `latency_offset_s`; any of it by default
+  explicit ForceTimes(const DeviceFacts& facts, const std::optional<double>& offset_s = std::nullopt) noexcept;
 
   /// When the force took effect; `motion` is the first one after it was committed.
   [[nodiscard]] Bracket effect(const Motion& motion) const noexcept;
+
+  /// Whether that is by the device's report, so that it does not depend on the offset.
+  [[nodiscard]] bool effect_is_told(const Motion& motion) const noexcept;
 
   /// How it is released, if it took effect within `begin_s`.
   [[nodiscard]] ReleaseStages release(const Motion& motion, const Bracket& begin_s) const noexcept;
@@ -39,7 +45,7 @@ class ForceTimes {
 
  private:
   [[nodiscard]] Bracket later(double shown_s, const Bracket& by_s) const noexcept;
-  [[nodiscard]] Bracket effect_by_facts(const Motion& motion) const noexcept;
+  [[nodiscard]] Bracket effect_by_facts(const Motion& motion, const Bracket& offset_s) const noexcept;
   [[nodiscard]] double commanded(const Motion& motion) const noexcept;
   [[nodiscard]] bool before_command(const Motion& motion, const Bracket& told_s) const noexcept;
   [[nodiscard]] ReleaseStages reported_release(const Bracket& at_s, const Bracket& begin_s) const noexcept;
@@ -48,6 +54,8 @@ class ForceTimes {
   ReleaseStages release_by_facts_;  ///< the same, or never for a device that does not release
   Bracket stamp_s_;
   Bracket latency_s_;       ///< later than the facts' latency says
+  Bracket offsets_s_;       ///< and by one of these,
+  Bracket offset_s_;        ///< which is this, or within this
   double latency_facts_s_;  ///< after the command
   double clock_rate_;       ///< true seconds for one of the clock's at most; at least its inverse
 };

@@ -64,6 +64,14 @@ std::vector<Violation> violations() {
            [](DeviceTruth& t) {
              t.latency_s = {0, 50e-6};
            }},
+          {"latency longer by a constant 0 to 50 us",
+           [](DeviceTruth& t) {
+             t.latency_offset_s = {0, 50e-6};
+           }},
+          {"latency longer by a constant 0 to 1 ms",
+           [](DeviceTruth& t) {
+             t.latency_offset_s = {0, 1e-3};
+           }},
           {"latency longer by 0 to 1 ms (USB)",
            [](DeviceTruth& t) {
              t.latency_s = {0, 1e-3};

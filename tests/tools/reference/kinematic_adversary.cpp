@@ -34,6 +34,7 @@ class Opponent {
         drained_share_(sometimes(0.5) ? 0.02 : number(0.02, 0.9)),
         clock_rate_(1 + game.truth.clock_share * (sometimes(0.5) ? 1 : number(-1, 1))),
         gain_(drawn_gain()),
+        offset_s_(drawn_offset_s()),
         joint_(Vector::Zero(dof_)),
         offset_(Vector::Zero(dof_)),
         command_(Vector::Zero(dof_)),
@@ -61,6 +62,10 @@ class Opponent {
 
   double number(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
   bool sometimes(double share) { return number(0, 1) < share; }
+  double drawn_offset_s() {
+    const Bracket& offset_s = game_.truth.latency_offset_s;
+    return offset_s == Bracket{} ? 0 : within(offset_s);
+  }
   Vector drawn_gain() {
     const control::Bracket& share = game_.truth.torque_gain_share;
     if (share == control::Bracket{}) return Vector::Ones(dof_);
@@ -190,7 +195,7 @@ class Opponent {
     commanded_s_ = written_s;
     failed_ = sometimes(game_.truth.failed_writes);
     if (failed_) return;
-    double effect_s = written_s + facts_.latency_s + within(game_.truth.latency_s);
+    double effect_s = written_s + facts_.latency_s + offset_s_ + within(game_.truth.latency_s);
     if (!commands_.empty()) effect_s = std::max(effect_s, commands_.back().effect_s);
     commands_.push_back({effect_s, jacobian_.transpose() * force});
   }
@@ -347,7 +352,8 @@ class Opponent {
   bool spoilt_ = false;
   double told_latency_s_ = 0;
 
-  Vector gain_;  ///< what a motor makes of a command is so many times that
+  Vector gain_;      ///< what a motor makes of a command is so many times that
+  double offset_s_;  ///< of the latency
   Vector joint_;
   Vector read_;    ///< where it was at the reading
   Vector offset_;  ///< counts that were lost
@@ -368,6 +374,7 @@ KinematicOutcome play(control::PassivityLaw& law, const KinematicGame& game) { r
 control::Uncertainty uncertainty_of(const DeviceTruth& truth, const control::DeviceFacts& facts) {
   return {.stamp_s = truth.stamp_s,
           .latency_s = truth.latency_s,
+          .latency_offset_s = truth.latency_offset_s,
           .hold_s = {truth.hold_s.least - truth.early_release_share * facts.hold_s_max, truth.hold_s.most},
           .clock_share = truth.clock_share,
           .encoder_steps = truth.encoder_steps,

@@ -13,6 +13,7 @@ namespace forcebound::test {
 struct DeviceTruth {
   control::Bracket stamp_s{};            ///< latched so long after the stamp
   control::Bracket latency_s{};          ///< the latency is longer by this
+  control::Bracket latency_offset_s{};   ///< and by one constant, drawn for each game
   control::Bracket hold_s{};             ///< each stage of the release comes later by this
   bool effects_reported = false;         ///< when a force took effect, where that was before the next reading
   bool releases_reported = false;        ///< likewise when its release began

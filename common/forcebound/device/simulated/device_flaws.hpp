@@ -15,6 +15,7 @@ struct DeviceFlaws {
   std::uint64_t seed = 1;
   control::Bracket stamp_s{};            ///< a reading is latched so long after its stamp
   control::Bracket latency_s{};          ///< the latency is longer than the facts' by this
+  control::Bracket latency_offset_s{};   ///< and by one constant within this
   control::Bracket hold_s{};             ///< each stage of the release comes later by this
   double clock_share = 0;                ///< the caller's clock runs faster than time by this share, slower if negative
   time::Nanoseconds frame{0};            ///< the bus latches and takes in commands only every so often; 0: at once

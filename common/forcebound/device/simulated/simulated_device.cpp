@@ -29,6 +29,7 @@ control::Uncertainty bounds_of(const DeviceFlaws& flaws) noexcept {
   const double rounding = flaws.clock_share == 0 ? 0 : 1e-5;
   return {.stamp_s = {flaws.stamp_s.least - frame_s, flaws.stamp_s.most},
           .latency_s = {flaws.latency_s.least, flaws.latency_s.most + frame_s},
+          .latency_offset_s = flaws.latency_offset_s,
           .hold_s = flaws.hold_s,
           .clock_share = std::abs(flaws.clock_share) + rounding,
           .encoder_steps = flaws.encoder_steps,
@@ -54,6 +55,7 @@ SimulatedDevice::SimulatedDevice(DeviceDescription description, std::unique_ptr<
       flaws_(flaws),
       random_(flaws.seed),
       gain_(drawn_gain(motion_.position().size())),
+      offset_(drawn_s(flaws_.latency_offset_s)),
       lost_(Vector::Zero(motion_.position().size())),
       torque_(Vector::Zero(motion_.position().size())),
       command_(torque_),
@@ -111,7 +113,7 @@ void SimulatedDevice::apply(Nanoseconds now, const Vector& force_N) noexcept {
   // If the queue is full, the command replaces the newest one in it.
   pending_count_ = std::min(pending_count_ + 1, kPendingMax);
   Command& command = pending_[static_cast<std::size_t>(pending_count_ - 1)];
-  command.effect = time_ + time::from_seconds(facts().latency_s) + drawn_s(flaws_.latency_s);
+  command.effect = time_ + time::from_seconds(facts().latency_s) + offset_ + drawn_s(flaws_.latency_s);
   if (flaws_.frame > Nanoseconds{0})
     command.effect = (command.effect + flaws_.frame - Nanoseconds{1}) / flaws_.frame * flaws_.frame;
   command.effect = std::max(command.effect, before);

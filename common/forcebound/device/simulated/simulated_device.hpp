@@ -105,8 +105,9 @@ class SimulatedDevice final : public HapticDevice {
 
   DeviceFlaws flaws_;
   std::mt19937_64 random_;
-  Vector gain_;  ///< of the motors
-  Vector lost_;  ///< counts, as positions
+  Vector gain_;         ///< of the motors
+  Nanoseconds offset_;  ///< of the latency
+  Vector lost_;         ///< counts, as positions
 
   // All times below are true and since the start, but for effective_at_ and released_at_, which are the caller's.
   std::optional<Nanoseconds> origin_;
