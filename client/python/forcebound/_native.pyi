@@ -17,6 +17,7 @@ class Uncertainty:
         *,
         stamp_s: tuple[float, float] = (0, 0),
         latency_s: tuple[float, float] = (0, 0),
+        latency_offset_s: tuple[float, float] = (0, 0),
         hold_s: tuple[float, float] = (0, 0),
         clock_share: float = 0,
         encoder_steps: float = 0,
@@ -31,6 +32,8 @@ class Uncertainty:
     def stamp_s(self) -> tuple[float, float]: ...
     @property
     def latency_s(self) -> tuple[float, float]: ...
+    @property
+    def latency_offset_s(self) -> tuple[float, float]: ...
     @property
     def hold_s(self) -> tuple[float, float]: ...
     @property

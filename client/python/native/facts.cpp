@@ -59,6 +59,8 @@ const std::vector<Field<Uncertainty>>& uncertainty_fields() {
                                            "A reading was latched so long after its stamp: (least, most) [s]."),
       bracket_field<&Uncertainty::latency_s>("latency_s",
                                              "The latency is longer than the facts' by (least, most) [s]."),
+      bracket_field<&Uncertainty::latency_offset_s>("latency_offset_s",
+                                                    "And by one constant within (least, most) [s]."),
       bracket_field<&Uncertainty::hold_s>(
           "hold_s", "Each stage of the release comes later than the facts say by (least, most) [s]."),
       number_field<&Uncertainty::clock_share>("clock_share", "The clock of the stamps is off by up to this share."),

@@ -57,6 +57,7 @@ void expect_possible(const Uncertainty& uncertainty) {
   constexpr Range kLag_s{0, 0.01};
   expect_bracket("stamp_s", uncertainty.stamp_s);
   expect_bracket("latency_s of the uncertainty", uncertainty.latency_s);
+  expect_bracket("latency_offset_s", uncertainty.latency_offset_s);
   expect_bracket("hold_s", uncertainty.hold_s);
   expect_share("clock_share", uncertainty.clock_share);
   expect_share("damping_share", uncertainty.damping_share);

@@ -30,6 +30,7 @@ std::string uncertainty_text(const control::Uncertainty& uncertainty) {
   };
   bracket("readings", uncertainty.stamp_s);
   bracket("forces", uncertainty.latency_s);
+  bracket("all forces alike", uncertainty.latency_offset_s);
   bracket("release", uncertainty.hold_s);
   share("clock", uncertainty.clock_share);
   share("damping", uncertainty.damping_share);

@@ -108,6 +108,11 @@ control::Uncertainty read_uncertainty(config::CheckedTable section, const contro
   if (facts.latency_s + uncertainty.latency_s.least < 0) {
     section.refuse("latency_s", "no less than minus the latency, or a force would take effect before its command");
   }
+  uncertainty.latency_offset_s = read_bracket(section, "latency_offset_s");
+  if (facts.latency_s + uncertainty.latency_s.least + uncertainty.latency_offset_s.least < 0) {
+    section.refuse("latency_offset_s",
+                   "no less than minus the least latency, or a force would take effect before its command");
+  }
   uncertainty.hold_s = read_bracket(section, "hold_s");
   if (facts.hold_s_max + uncertainty.hold_s.least <= 0) {
     section.refuse("hold_s", "more than minus the hold time, or no force would be held");
@@ -120,6 +125,11 @@ control::Uncertainty read_uncertainty(config::CheckedTable section, const contro
   uncertainty.torque_ripple_share = read_ripple(section);
   uncertainty.actuator_lag_s =
       section.number({.key = "actuator_lag_s", .preset = 0, .least = 0, .most = kLatencyMax_s});
+  const control::Bracket& offset_s = uncertainty.latency_offset_s;
+  if (uncertainty.actuator_lag_s > 0 && offset_s.least < offset_s.most) {
+    section.refuse("latency_offset_s",
+                   "one number twice with an actuator_lag_s; what is not known of it belongs to latency_s");
+  }
   section.refuse_unknown_keys();
   return uncertainty;
 }

@@ -34,11 +34,11 @@ namespace forcebound::device {
 ///                                     identified = true: false says that the bounds are guesses, which the client
 ///                                     tells of a real device; a simulated one has exactly these bounds
 ///     [uncertainty]                   how far the truth may be from these facts and from the stamps, all 0 unless said
-///                                     (control::Uncertainty): pairs [least, most] stamp_s, latency_s, hold_s and
-///                                     torque_gain_share, beyond what the facts say, the last one number where it may be
-///                                     as much less; shares clock_share, damping_share, friction_share,
-///                                     torque_ripple_share (torque_share before); encoder_steps beyond half a step;
-///                                     actuator_lag_s
+///                                     (control::Uncertainty): pairs [least, most] of what another one may be each time
+///                                     beyond what the facts say, stamp_s, latency_s, hold_s, and of what is one
+///                                     constant over a run, latency_offset_s, torque_gain_share (one number: as much
+///                                     less); shares clock_share, damping_share, friction_share, torque_ripple_share
+///                                     (torque_share before); encoder_steps beyond half a step; actuator_lag_s
 ///
 ///     [safety]                        limits for the hand (Safety): ramp_s, speed_m_per_s_max, workspace_radius_m,
 ///                                     workspace_fade_m, rms_force_N_max, rms_s, and with torque_N_m_max

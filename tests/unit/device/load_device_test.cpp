@@ -126,20 +126,20 @@ TEST(ParseDevice, TakesBoundsOfWhatIsNotKnownExactly) {
   const std::string text =
       std::string(kPoint) +
       "latency_s = 1e-4\nrelease_share = 0.3\nrelease_s = 0.002\nspeed_m_per_s_max = 3\n[uncertainty]\n"
-      "stamp_s = [-20e-6, 5e-6]\nlatency_s = [-1e-5, 5e-5]\nhold_s = [-1e-4, 1e-4]\n"
+      "stamp_s = [-20e-6, 5e-6]\nlatency_s = [-1e-5, 5e-5]\nlatency_offset_s = [0, 1e-4]\nhold_s = [-1e-4, 1e-4]\n"
       "clock_share = 5e-4\nencoder_steps = 0.1\ndamping_share = 0.02\nfriction_share = 0.2\n"
-      "torque_gain_share = [-0.03, 0.1]\ntorque_ripple_share = 0.01\nactuator_lag_s = 1e-4\n";
+      "torque_gain_share = [-0.03, 0.1]\ntorque_ripple_share = 0.01\n";
   const DeviceDescription device = parse_device(text, "mine.toml");
   EXPECT_EQ(device.facts.uncertainty, (control::Uncertainty{.stamp_s = {-20e-6, 5e-6},
                                                             .latency_s = {-1e-5, 5e-5},
+                                                            .latency_offset_s = {0, 1e-4},
                                                             .hold_s = {-1e-4, 1e-4},
                                                             .clock_share = 5e-4,
                                                             .encoder_steps = 0.1,
                                                             .damping_share = 0.02,
                                                             .friction_share = 0.2,
                                                             .torque_gain_share = {-0.03, 0.1},
-                                                            .torque_ripple_share = 0.01,
-                                                            .actuator_lag_s = 1e-4}));
+                                                            .torque_ripple_share = 0.01}));
   EXPECT_EQ(device.facts.release_share, 0.3);
   EXPECT_EQ(device.facts.release_s, 0.002);
   EXPECT_EQ(device.facts.speed_max[1], 3);
@@ -150,6 +150,7 @@ TEST(ParseDevice, TakesBoundsOfWhatIsNotKnownExactly) {
     return parse_device(kPoint + ("[uncertainty]\n" + line), "mine.toml").facts.uncertainty;
   };
   EXPECT_EQ(told("torque_gain_share = 0.03\n").torque_gain_share, (control::Bracket{-0.03, 0.03}));
+  EXPECT_EQ(told("actuator_lag_s = 1e-4\n").actuator_lag_s, 1e-4);
   EXPECT_EQ(told("torque_share = 0.02\n").torque_ripple_share, 0.02) << "its name before";
 }
 
@@ -163,6 +164,10 @@ TEST(ParseDevice, RefusesBoundsThatNoDeviceCanHave) {
   EXPECT_THAT(with("stamp_s = [0, 1e300]\n"), HasSubstr("stamp_s[1] must be >= -1 and <= 1"));
   EXPECT_THAT(with("hold_s = [-0.002, 0]\n"), HasSubstr("hold_s must be more than minus the hold time"));
   EXPECT_THAT(with("latency_s = [-1e-5, 0]\n"), HasSubstr("or a force would take effect before its command"));
+  EXPECT_THAT(with("latency_offset_s = [-1e-5, 0]\n"),
+              HasSubstr("latency_offset_s must be no less than minus the least latency"));
+  EXPECT_THAT(with("latency_offset_s = [0, 1e-5]\nactuator_lag_s = 1e-4\n"),
+              HasSubstr("latency_offset_s must be one number twice with an actuator_lag_s"));
   EXPECT_THAT(with("damping_share = 1\n"), HasSubstr("damping_share must be a share >= 0 and < 1, got 1"));
   EXPECT_THAT(with("torque_ripple_share = -0.1\n"), HasSubstr("torque_ripple_share must be >= 0, got -0.1"));
   EXPECT_THAT(with("torque_share = 0.1\ntorque_ripple_share = 0.1\n"),

@@ -131,6 +131,7 @@ void write_uncertainty(Lines& lines, const Findings& findings, const control::De
     lines.fact("hold_s", bracket(findings.hold.least_s - findings.hold.most_s, 0), "measured");
   }
   const std::string as_told = "as the driver says; no motion tells it";
+  lines.fact("latency_offset_s", bracket(told.latency_offset_s.least, told.latency_offset_s.most), as_told);
   lines.fact("stamp_s", bracket(told.stamp_s.least, told.stamp_s.most), as_told);
   lines.fact("clock_share", text::to_text(told.clock_share), as_told);
   lines.fact("encoder_steps", text::to_text(told.encoder_steps), as_told);
