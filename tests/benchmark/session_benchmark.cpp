@@ -37,9 +37,9 @@ class Answering final : public net::DatagramLink {
                                   .sequence = ++forces_,
                                   .motion_sequence = motion->sequence,
                                   .motion_device_time = motion->device_time,
-                                  .force = control::Vector::Constant(3, 0.1),
                                   .position = motion->position,
-                                  .motions_received = forces_},
+                                  .motions_received = forces_,
+                                  .answer = {.force = control::Vector::Constant(3, 0.1)}},
            to);
     }
     return true;

@@ -32,7 +32,7 @@ class MotionClient {
     ++motion_.sequence;
     motion_.device_time += std::chrono::milliseconds(1);
     motion_.position = position_m;
-    return exchange<forcebound::wire::EnvironmentForce>(motion_).force;
+    return exchange<forcebound::wire::EnvironmentForce>(motion_).answer.force;
   }
 
  private:

@@ -50,7 +50,7 @@ TEST_F(HostileServer, Case16ThatAnswersWithRandomBytesIsCountedAndSurvived) {
 TEST_F(HostileServer, Case16ThatRequestsNaNIsCountedAndSurvived) {
   for (const double value : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     answer_with([&](wire::EnvironmentForce force) {
-      force.force.setConstant(value);
+      force.answer.force.setConstant(value);
       return bytes_of(codec.encode(force));
     });
   }
@@ -61,7 +61,7 @@ TEST_F(HostileServer, Case16ThatRequestsNaNIsCountedAndSurvived) {
 
 TEST_F(HostileServer, Case16ThatAsksForAnythingAtAllGetsNoMoreThanTheLawAllows) {
   answer_with([&](wire::EnvironmentForce force) {
-    force.force.setConstant(force.sequence % 2 == 0 ? 1e300 : -1e300);
+    force.answer.force.setConstant(force.sequence % 2 == 0 ? 1e300 : -1e300);
     return bytes_of(codec.encode(force));
   });
   EXPECT_EQ(malformed(), 0U);

@@ -265,9 +265,9 @@ TEST_F(LyingServer, HardCase16FalseCountsAreIgnored) {
                                .sequence = i % 2 == 0 ? kMost - static_cast<std::uint64_t>(i) : motion->sequence,
                                .motion_sequence = motion->sequence,
                                .motion_device_time = motion->device_time,
-                               .force = control::Vector::Constant(1, 1.0),
                                .position = motion->position,
-                               .motions_received = kMost});
+                               .motions_received = kMost,
+                               .answer = {.force = control::Vector::Constant(1, 1.0)}});
   }
   tick();
   const auto totals = session_.totals();

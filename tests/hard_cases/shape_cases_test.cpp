@@ -38,7 +38,7 @@ class Feeler {
   explicit Feeler(const std::shared_ptr<const scene::Scene>& scene) : state_(scene, 3) {}
 
   scene::Point operator()(const scene::Point& position_m) {
-    const scene::SceneAnswer answer = state_.answer(position_m, time::Nanoseconds{0});
+    const scene::Answer answer = state_.answer(position_m, time::Nanoseconds{0});
     return answer.force;
   }
 

@@ -172,10 +172,10 @@ TEST(AClient, CountsAbuseByReasonAndStaysPassive) {
                                  .sequence = ++sequence,
                                  .motion_sequence = motion->sequence,
                                  .motion_device_time = motion->device_time,
-                                 .force = control::Vector::Constant(3, 1e300),
                                  .position = motion->position,
                                  .motions_received = sequence,
-                                 .challenge = sequence};
+                                 .challenge = sequence,
+                                 .answer = {.force = control::Vector::Constant(3, 1e300)}};
     auto other = force;
     other.session = kSession + 1;  // foreign session
     server.say(other);
@@ -183,7 +183,7 @@ TEST(AClient, CountsAbuseByReasonAndStaysPassive) {
     other.motion_sequence += 1'000'000;  // answers nothing that was sent: unreadable
     server.say(other);
     other = force;
-    other.force[1] = std::numeric_limits<double>::quiet_NaN();  // not finite
+    other.answer.force[1] = std::numeric_limits<double>::quiet_NaN();  // not finite
     server.say(other);
     server.say(wire::Hello{.client_nonce = 1});  // not a message to a client: unreadable
     server.say(random_bytes(1300, 1));           // oversize

@@ -17,7 +17,7 @@ struct RecordedRun final : record::RecordingSink {
   void on_end(const record::RunTotals& run) override { totals = run; }
   void on_tick(const record::TickRecord& tick) noexcept override { ticks.push_back(tick); }
   void on_force(const record::ForceRecord& force) noexcept override {
-    forces[force.force.motion_sequence] = force.force.force;
+    forces[force.force.motion_sequence] = force.force.answer.force;
   }
 
   record::RunInfo info;

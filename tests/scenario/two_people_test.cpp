@@ -33,8 +33,8 @@ class Feeling final : public record::TickSink {
     ++rests_;
   }
   void on_force(const record::ForceRecord& record) noexcept override {
-    by_device_clock = record.force.model.empty() || record.force.model.by_device_clock;
-    before_reading = record.force.model.before_reading;
+    by_device_clock = record.force.answer.model.empty() || record.force.answer.model.by_device_clock;
+    before_reading = record.force.answer.model.before_reading;
   }
 
   [[nodiscard]] double at_rest_N() const { return rest_N_ / rests_; }

@@ -2,27 +2,28 @@
 
 namespace forcebound::python {
 
-server::Response OwnEnvironment::asked(const server::Motion& motion) const {
+server::Answer OwnEnvironment::asked(const server::Motion& motion) const {
   const Eigen::Index rows = motion.position.rows();
-  const py::object answer = shared_->function(array_of(motion.position), time::to_seconds(motion.server_time));
-  if (!py::isinstance<py::tuple>(answer)) return {.force = vector_from(answer, rows, "the force of an environment")};
-  const auto parts = py::reinterpret_borrow<py::tuple>(answer);
+  const py::object returned = shared_->function(array_of(motion.position), time::to_seconds(motion.server_time));
+  if (!py::isinstance<py::tuple>(returned))
+    return {.force = vector_from(returned, rows, "the force of an environment")};
+  const auto parts = py::reinterpret_borrow<py::tuple>(returned);
   if (parts.size() != 3) {
     throw py::value_error("an environment: expected force or (force, normal, depth), got a tuple of " +
                           std::to_string(parts.size()));
   }
   const py::object force = parts[0];
   const py::object normal = parts[1];
-  server::Response response{.force = vector_from(force, rows, "the force of an environment")};
+  server::Answer answer{.force = vector_from(force, rows, "the force of an environment")};
   const double depth_m = py::object(parts[2]).cast<double>();
   if (depth_m > 0) {
-    response.contact_normal = vector_from(normal, rows, "the normal of an environment");
-    response.penetration_m = depth_m;
+    answer.contact_normal = vector_from(normal, rows, "the normal of an environment");
+    answer.penetration_m = depth_m;
   }
-  return response;
+  return answer;
 }
 
-server::Response OwnEnvironment::respond(const server::Motion& motion) noexcept {
+server::Answer OwnEnvironment::respond(const server::Motion& motion) noexcept {
   const py::gil_scoped_acquire gil;
   if (!shared_->fault.kept()) {
     try {

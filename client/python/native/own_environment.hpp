@@ -21,10 +21,10 @@ class OwnEnvironment final : public server::Environment {
   };
   explicit OwnEnvironment(std::shared_ptr<Shared> shared) : shared_(std::move(shared)) {}
 
-  [[nodiscard]] server::Response respond(const server::Motion& motion) noexcept override;
+  [[nodiscard]] server::Answer respond(const server::Motion& motion) noexcept override;
 
  private:
-  [[nodiscard]] server::Response asked(const server::Motion& motion) const;
+  [[nodiscard]] server::Answer asked(const server::Motion& motion) const;
 
   std::shared_ptr<Shared> shared_;
 };

@@ -35,16 +35,16 @@ void add_force_columns(std::vector<Column<Record>>& columns) {
        {.name = "motion_sequence", .count = [](const Record& r) { return r.force.motion_sequence; }},
        {.name = "motion_device_time_s",
         .number = [](const Record& r) { return to_seconds(r.force.motion_device_time); }},
-       {.name = "force_N", .vector = [](const Record& r) { return r.force.force; }},
+       {.name = "force_N", .vector = [](const Record& r) { return r.force.answer.force; }},
        {.name = "position", .vector = [](const Record& r) { return r.force.position; }},
-       {.name = "contact", .flag = [](const Record& r) { return r.force.contact_normal.rows() > 0; }},
-       {.name = "contact_normal", .vector = [](const Record& r) { return r.force.contact_normal; }},
-       {.name = "penetration_m", .number = [](const Record& r) { return r.force.penetration_m; }},
+       {.name = "contact", .flag = [](const Record& r) { return r.force.answer.contact_normal.rows() > 0; }},
+       {.name = "contact_normal", .vector = [](const Record& r) { return r.force.answer.contact_normal; }},
+       {.name = "penetration_m", .number = [](const Record& r) { return r.force.answer.penetration_m; }},
        {.name = "server_receive_time_s",
         .number = [](const Record& r) { return to_seconds(r.force.server_receive_time); }},
        {.name = "server_send_time_s", .number = [](const Record& r) { return to_seconds(r.force.server_send_time); }},
        {.name = "compute_time_s", .number = [](const Record& r) { return to_seconds(r.force.compute_time); }},
-       {.name = "server_parts_N", .vector = [](const Record& r) { return r.force.server_parts_N; }}});
+       {.name = "server_parts_N", .vector = [](const Record& r) { return r.force.answer.server_parts_N; }}});
 }
 
 }  // namespace
@@ -115,9 +115,9 @@ std::vector<Column<MotionRecord>> motion_columns() {
 RowShape shape_of(const TickRecord& tick) noexcept {
   return {.dof = rows_in(tick.applied), .joints = rows_in(tick.joint)};
 }
-RowShape shape_of(const ForceRecord& force) noexcept { return {.dof = rows_in(force.force.force)}; }
+RowShape shape_of(const ForceRecord& force) noexcept { return {.dof = rows_in(force.force.answer.force)}; }
 RowShape shape_of(const MotionRecord& motion) noexcept { return {.dof = rows_in(motion.motion.position)}; }
-RowShape shape_of(const SentForceRecord& force) noexcept { return {.dof = rows_in(force.force.force)}; }
+RowShape shape_of(const SentForceRecord& force) noexcept { return {.dof = rows_in(force.force.answer.force)}; }
 
 py::array array_of_rows(std::vector<std::byte> bytes, const py::dtype& dtype) {
   auto owned = std::make_unique<std::vector<std::byte>>(std::move(bytes));

@@ -134,7 +134,7 @@ void RecordingWriter::write(const SentForceRecord& force) {
   storage_->write(kForces, kForceSchema, force.force.sequence, at, encode(force));
   ShownSession* const session = storage_->shown(force.force.session, at);
   if (session == nullptr || !session->forces.take(at)) return;
-  const std::array<ShownForce, 1> forces{{{"sent force", force.force.force, kBlue}}};
+  const std::array<ShownForce, 1> forces{{{"sent force", force.force.answer.force, kBlue}}};
   storage_->picture("/arrows", kSceneUpdateSchema, at,
                     encode_arrows(session->device, force.force.position, forces, storage_->wall_clock(at)));
 }

@@ -109,7 +109,7 @@ void Summary::note_follower(const ForceRecord& force) noexcept {
     follower_times_[follower_] += known;
     follower_unknown_ += since - known;
   }
-  const control::FollowerState state = force.force.follower;
+  const control::FollowerState state = force.force.answer.follower;
   follower_changes_ += has_follower_ && state != follower_ ? 1 : 0;
   has_follower_ = has_follower_ || state != none;
   follower_ = state;

@@ -49,8 +49,8 @@ SceneState SceneState::of_part(std::shared_ptr<const Scene> scene, std::uint32_t
   return state;
 }
 
-SceneAnswer SceneState::answer(const Vector& position, Nanoseconds device_time, Nanoseconds server_time,
-                               local_model::LocalModel* model, const Handle& handle) noexcept {
+Answer SceneState::answer(const Vector& position, Nanoseconds device_time, Nanoseconds server_time, bool wants_model,
+                          const Handle& handle) noexcept {
   const Plan& plan = scene_->plan();
   Probe probe;
   probe.position_m = place(position);
@@ -60,12 +60,9 @@ SceneAnswer SceneState::answer(const Vector& position, Nanoseconds device_time, 
   Point total_N = Point::Zero();
   Point server_parts_N = Point::Zero();
   Point driving_N = Point::Zero();
-  SceneAnswer answer;
+  Answer answer;
+  answer.model.by_device_clock = wants_model && !shares_dynamic_models_;
   quarantined_.clear();
-  if (model != nullptr) {
-    *model = {};
-    model->by_device_clock = !shares_dynamic_models_;
-  }
   for (std::size_t i = 0; i < steps_.size(); ++i) {
     const PlanStep& step = plan.steps()[steps_[i]];
     Reaction reaction;
@@ -89,16 +86,16 @@ SceneAnswer SceneState::answer(const Vector& position, Nanoseconds device_time, 
     DynamicModelSeat& seat = seats_[dynamic_models_[i]];
     FeltAt felt_at{.moment = shares_dynamic_models_ ? server_time : device_time};
     // A client that is told no local model has the force as soon as it can be.
-    if (shares_dynamic_models_ && model != nullptr) felt_at.reading = device_time;
+    if (shares_dynamic_models_ && wants_model) felt_at.reading = device_time;
     const ModelTouch touch = seat.feel(probe, felt_at, faults_.dynamic_models);
     const SurfacePoint surface{.normal = touch.normal, .penetration_m = touch.penetration_m};
     if (seat.sound() && add({.force_N = touch.force_N}, surface, total_N, answer)) {
       server_parts_N += touch.force_N;
-      if (model != nullptr) {
-        describe(seat, dynamic_models_[i], *model);
+      if (wants_model) {
+        describe(seat, dynamic_models_[i], answer.model);
         if (const auto before = seat.played_before(device_time)) {
-          model->by_device_clock = true;
-          model->before_reading = *before;
+          answer.model.by_device_clock = true;
+          answer.model.before_reading = *before;
         }
       }
       continue;
@@ -106,10 +103,10 @@ SceneAnswer SceneState::answer(const Vector& position, Nanoseconds device_time, 
     quarantine(seat.name());
     dynamic_models_.erase(dynamic_models_.begin() + static_cast<std::ptrdiff_t>(i--));
   }
-  answer.quarantined = quarantined_;
   answer.force = in_device_rows(total_N);
-  answer.server_parts_N = in_device_rows(server_parts_N);
-  if (plan.drives()) answer.driving = in_device_rows(driving_N);
+  const Vector server_parts = in_device_rows(server_parts_N);
+  if (!server_parts.isZero(0)) answer.server_parts_N = server_parts;
+  if (plan.drives()) answer.driving_N = in_device_rows(driving_N);
   return answer;
 }
 
@@ -174,8 +171,7 @@ bool SceneState::go_on_from(const SceneState& other) noexcept {
   return true;
 }
 
-bool SceneState::add(const Reaction& reaction, const SurfacePoint& surface, Point& total_N,
-                     SceneAnswer& answer) noexcept {
+bool SceneState::add(const Reaction& reaction, const SurfacePoint& surface, Point& total_N, Answer& answer) noexcept {
   if (!surface.normal.allFinite() || !(total_N + reaction.force_N).allFinite()) return false;
   total_N += reaction.force_N;
   if (!(surface.penetration_m > 0)) return true;
@@ -183,7 +179,14 @@ bool SceneState::add(const Reaction& reaction, const SurfacePoint& surface, Poin
   if (surface.penetration_m > answer.penetration_m) {
     answer.penetration_m = surface.penetration_m;
     answer.contact_normal = in_device_rows(surface.normal);
-    answer.texture = reaction.texture;
+    const Texture& texture = reaction.texture;
+    const auto wave = [&](std::size_t i) {
+      const bool any = texture.amplitude_N > 0 && static_cast<int>(i) < texture.waves;
+      return any ? in_device_rows(texture.waves_rad_per_m.at(i)) : Vector();
+    };
+    answer.texture_N = texture.amplitude_N;
+    answer.texture_wave = wave(0);
+    answer.texture_across = wave(1);
   }
   return true;
 }

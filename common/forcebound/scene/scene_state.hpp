@@ -6,25 +6,14 @@
 #include <string>
 #include <vector>
 
+#include "forcebound/answer/answer.hpp"
 #include "forcebound/control/vector.hpp"
 #include "forcebound/scene/dynamic_model_seat.hpp"
 
 namespace forcebound::scene {
 
+using answer::Answer;
 using control::Vector;
-
-/// The scene's answer to one motion; the vectors have the device's rows, rotations are zero.
-struct SceneAnswer {
-  Vector force;                          ///< on the device [N], then torque [N m]; always finite
-  Vector contact_normal{};               ///< unit, out of the surface touched (deepest one); no rows: no contact
-  double penetration_m = 0;              ///< depth below that surface, 0: no contact
-  Texture texture{};                     ///< of that surface
-  Vector server_parts_N{};               ///< of `force`, that of the parts that do not run at a client (rendering.hpp)
-  bool texture_in_server_parts = false;  ///< that surface is of one of those
-  Vector driving{};                      ///< of `force`, that of effects that drive; no rows: Plan::drives is false
-  /// Names of the parts left out from now on; empty on most motions. Valid until the next one.
-  std::span<const std::string* const> quarantined{};
-};
 
 /// Faults within a scene that were kept from the client.
 struct SceneFaults {
@@ -54,14 +43,17 @@ class SceneState {
   /// model.
   static SceneState of_part(std::shared_ptr<const Scene> scene, std::uint32_t degrees_of_freedom, std::size_t part);
 
-  /// The force for a device that was at `position` (finite, one row per degree of freedom) at `device_time` on its own
-  /// clock. The velocity is the mean since the previous call; it is zero where time has not advanced.
+  /// The answer to a device that was at `position` (finite, one row per degree of freedom) at `device_time` on its own
+  /// clock. It is finite; rotations are zero. The velocity is the mean since the previous call; it is zero where time
+  /// has not advanced.
   /// @param server_time time of the answer; used only by shared dynamic models
+  /// @param wants_model whether the answer has the local models of the dynamic models' part of `server_parts_N`
   /// @param handle of the device at `device_time`
-  /// @param model if given, it becomes the local models of the dynamic models' part of `server_parts_N`
-  [[nodiscard]] SceneAnswer answer(const Vector& position, Nanoseconds device_time,
-                                   Nanoseconds server_time = Nanoseconds{0}, local_model::LocalModel* model = nullptr,
-                                   const Handle& handle = {}) noexcept;
+  [[nodiscard]] Answer answer(const Vector& position, Nanoseconds device_time, Nanoseconds server_time = Nanoseconds{0},
+                              bool wants_model = false, const Handle& handle = {}) noexcept;
+
+  /// Names of the parts that the last answer left out, as do those after it; of most none. Valid until the next one.
+  [[nodiscard]] std::span<const std::string* const> quarantined() const noexcept { return quarantined_; }
 
   /// Forgets all that was: effects, contacts and velocity begin anew, contacts from a place that is known to be outside
   /// of everything solid [m], and the scene's time at a time of the device's clock. Real time.
@@ -77,9 +69,6 @@ class SceneState {
   /// Where the parts of a dynamic model are now: DynamicModelState::see. Nothing of one that is not sound. Real time.
   [[nodiscard]] std::size_t see(std::size_t dynamic_model, std::size_t first, std::span<float> to) const noexcept;
 
-  /// With the device's rows; rotations are zero.
-  [[nodiscard]] Vector in_device_rows(const Point& point) const noexcept;
-
   [[nodiscard]] const Scene& scene() const noexcept { return *scene_; }
   [[nodiscard]] const SceneFaults& faults() const noexcept { return faults_; }
 
@@ -89,9 +78,11 @@ class SceneState {
 
   /// Adds one part's force to the answer; false if it is not finite.
   [[nodiscard]] bool add(const Reaction& reaction, const SurfacePoint& surface, Point& total_N,
-                         SceneAnswer& answer) noexcept;
+                         Answer& answer) noexcept;
   void describe(DynamicModelSeat& seat, std::uint32_t number, local_model::LocalModel& model) noexcept;
   [[nodiscard]] Point place(const Vector& position) const noexcept;
+  /// With the device's rows; rotations are zero.
+  [[nodiscard]] Vector in_device_rows(const Point& point) const noexcept;
   void quarantine(const std::string& name) noexcept;
   void look_at_time(Probe& probe, Nanoseconds device_time) noexcept;
   [[nodiscard]] SurfacePoint find_surface(const PlanStep& step, const Point& position_m) noexcept;

@@ -7,18 +7,18 @@
 #include <string_view>
 #include <variant>
 
+#include "forcebound/answer/answer.hpp"
 #include "forcebound/control/device_facts.hpp"
-#include "forcebound/control/follower_state.hpp"
 #include "forcebound/control/handle.hpp"
 #include "forcebound/control/law.hpp"
 #include "forcebound/control/vector.hpp"
-#include "forcebound/local_model/local_model.hpp"
 #include "forcebound/time/clock.hpp"
 
 /// The messages between client and server, as plain values. Text is a view: into the caller's string when encoding,
 /// into the decoder's storage, until its next use, when decoding.
 namespace forcebound::wire {
 
+using answer::Answer;
 using time::Nanoseconds;
 
 inline constexpr std::uint32_t kProtocolVersion = 2;
@@ -41,7 +41,7 @@ struct Hello {
   std::string_view server_law{};  ///< the client's law, by name, if it works with a server-side law; empty: none
   bool renders_locally = false;   ///< requests the scene itself, to run what does not move at the client
   bool shows_scene = false;       ///< requests what can be seen of the scene, for a page
-  bool shows_torque = false;      ///< the device turns its handle by motors: EnvironmentForce::torque_N_m is for it
+  bool shows_torque = false;      ///< the device turns its handle by motors: Answer::torque_N_m is for it
 };
 
 /// The static part of a scene that the server hands over, in numbered pieces (handover/packed_scene.hpp).
@@ -138,38 +138,25 @@ struct MotionSample {
   double energy_given_J = 0;  ///< by the law at the device since it began; finite, of any sign
 };
 
-/// Server to client: the answer to one motion.
+/// Server to client: the answer to one motion, with what is sent beside it.
 struct EnvironmentForce {
   std::uint64_t session = 0;
   std::uint64_t sequence = 0;            ///< of this force: 1, 2, 3, ... per session
   std::uint64_t motion_sequence = 0;     ///< which motion it answers
   Nanoseconds motion_device_time{0};     ///< echoed
-  control::Vector force{};               ///< [N]; dof rows
-  control::Vector torque_N_m{};          ///< on the handle, scene frame, three rows; no rows: none
   control::Vector position{};            ///< [m] where it was computed
-  control::Vector contact_normal{};      ///< unit, out of the surface touched (deepest one); no rows: no contact
-  double penetration_m = 0;              ///< depth below that surface at `position`, > 0 in contact
   Nanoseconds server_receive_time{0};    ///< server's clock
   Nanoseconds server_send_time{0};       ///< server's clock
   Nanoseconds compute_time{0};           ///< spent on the scene
   std::uint64_t motions_received = 0;    ///< distinct motions of this session that reached the server so far
   std::uint64_t motions_duplicated = 0;  ///< further copies of them
   std::uint64_t motions_reordered = 0;   ///< of the received, those that came after a newer one: not answered
-  /// Ripples of the surface touched, which the device renders at its own position and rate, as long as it is in
-  /// contact: n A mean_i sin(k_i . x). Amplitude A [N], zero: smooth; wave vectors k_i [rad/m], the second may have no
-  /// rows.
-  double texture_N = 0;
-  control::Vector texture_wave{};
-  control::Vector texture_across{};
-  control::ServerLawNumbers server_law_numbers{};  ///< from the server-side law to the law at the device
-  control::Vector server_parts_N{};                ///< [N] of `force`, of parts that are not handed over; no rows: zero
-  bool texture_in_server_parts = false;            ///< the surface with the ripples is one of those
-  /// For a client that renders locally. Of `server_parts_N` where there is one, else of `force`. As it came, so that it
-  /// may be unsound: local_model::is_sound.
-  local_model::LocalModel model{};
+  /// From the server-side law to the law at the device.
+  control::ServerLawNumbers server_law_numbers{};
   /// The motions come from an address that is not proven to be the client's: to be sent back from there. 0: not needed.
   std::uint64_t challenge = 0;
-  control::FollowerState follower = control::FollowerState::none;  ///< of the robot at the far end
+  /// Its force is what the server-side law made of it. Its model is as it came, so that it may be unsound.
+  Answer answer{};
 };
 
 /// Either way: this session ends. The server's answer carries its final counts.

@@ -271,26 +271,26 @@ void fill(const EnvironmentForce& from, v1::EnvironmentForce& to) noexcept {
   to.set_sequence(from.sequence);
   to.set_motion_sequence(from.motion_sequence);
   to.set_motion_device_time_ns(from.motion_device_time.count());
-  add_rows(from.force, to.mutable_force_n());
-  add_rows(from.torque_N_m, to.mutable_torque_n_m());
+  add_rows(from.answer.force, to.mutable_force_n());
+  add_rows(from.answer.torque_N_m, to.mutable_torque_n_m());
   add_rows(from.position, to.mutable_position_m());
-  add_rows(from.contact_normal, to.mutable_contact_normal());
-  to.set_penetration_m(from.penetration_m);
+  add_rows(from.answer.contact_normal, to.mutable_contact_normal());
+  to.set_penetration_m(from.answer.penetration_m);
   to.set_server_receive_time_ns(from.server_receive_time.count());
   to.set_server_send_time_ns(from.server_send_time.count());
   to.set_compute_time_ns(from.compute_time.count());
   to.set_motions_received(from.motions_received);
   to.set_motions_duplicated(from.motions_duplicated);
   to.set_motions_reordered(from.motions_reordered);
-  to.set_texture_n(from.texture_N);
-  add_rows(from.texture_wave, to.mutable_texture_wave_rad_per_m());
-  add_rows(from.texture_across, to.mutable_texture_across_rad_per_m());
+  to.set_texture_n(from.answer.texture_N);
+  add_rows(from.answer.texture_wave, to.mutable_texture_wave_rad_per_m());
+  add_rows(from.answer.texture_across, to.mutable_texture_across_rad_per_m());
   add_rows(from.server_law_numbers, to.mutable_server_law_numbers());
-  add_rows(from.server_parts_N, to.mutable_server_parts_n());
-  to.set_texture_in_server_parts(from.texture_in_server_parts);
+  add_rows(from.answer.server_parts_N, to.mutable_server_parts_n());
+  to.set_texture_in_server_parts(from.answer.texture_in_server_parts);
   to.set_challenge(from.challenge);
-  to.set_follower_state(static_cast<std::uint32_t>(from.follower));
-  if (!from.model.empty()) fill(from.model, to);
+  to.set_follower_state(static_cast<std::uint32_t>(from.answer.follower));
+  if (!from.answer.model.empty()) fill(from.answer.model, to);
 }
 
 Flaws take(const v1::EnvironmentForce& from, EnvironmentForce& to) noexcept {
@@ -299,26 +299,26 @@ Flaws take(const v1::EnvironmentForce& from, EnvironmentForce& to) noexcept {
   to.sequence = from.sequence();
   to.motion_sequence = from.motion_sequence();
   taker.time(from.motion_device_time_ns(), "motion_device_time_ns", to.motion_device_time);
-  taker.rows(from.force_n(), "force_N", to.force);
-  taker.rows(from.torque_n_m(), "torque_N_m", to.torque_N_m);
+  taker.rows(from.force_n(), "force_N", to.answer.force);
+  taker.rows(from.torque_n_m(), "torque_N_m", to.answer.torque_N_m);
   taker.rows(from.position_m(), "position_m", to.position);
-  taker.rows(from.contact_normal(), "contact_normal", to.contact_normal);
-  taker.number(from.penetration_m(), to.penetration_m);
+  taker.rows(from.contact_normal(), "contact_normal", to.answer.contact_normal);
+  taker.number(from.penetration_m(), to.answer.penetration_m);
   taker.time(from.server_receive_time_ns(), "server_receive_time_ns", to.server_receive_time);
   taker.time(from.server_send_time_ns(), "server_send_time_ns", to.server_send_time);
   taker.time(from.compute_time_ns(), "compute_time_ns", to.compute_time);
   to.motions_received = from.motions_received();
   to.motions_duplicated = from.motions_duplicated();
   to.motions_reordered = from.motions_reordered();
-  taker.number(from.texture_n(), to.texture_N);
-  taker.rows(from.texture_wave_rad_per_m(), "texture_wave_rad_per_m", to.texture_wave);
-  taker.rows(from.texture_across_rad_per_m(), "texture_across_rad_per_m", to.texture_across);
+  taker.number(from.texture_n(), to.answer.texture_N);
+  taker.rows(from.texture_wave_rad_per_m(), "texture_wave_rad_per_m", to.answer.texture_wave);
+  taker.rows(from.texture_across_rad_per_m(), "texture_across_rad_per_m", to.answer.texture_across);
   taker.rows(from.server_law_numbers(), "server_law_numbers", to.server_law_numbers);
-  taker.rows(from.server_parts_n(), "server_parts_N", to.server_parts_N);
-  to.texture_in_server_parts = from.texture_in_server_parts();
+  taker.rows(from.server_parts_n(), "server_parts_N", to.answer.server_parts_N);
+  to.answer.texture_in_server_parts = from.texture_in_server_parts();
   to.challenge = from.challenge();
-  to.follower = control::follower_state_of(from.follower_state());
-  take(from, to.model);
+  to.answer.follower = control::follower_state_of(from.follower_state());
+  take(from, to.answer.model);
   return taker.flaws();
 }
 

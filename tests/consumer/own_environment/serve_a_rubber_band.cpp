@@ -19,21 +19,21 @@ namespace {
 /// Pulls back to where the device was first, until it tears.
 class RubberBand final : public server::Environment {
  public:
-  [[nodiscard]] server::Response respond(const server::Motion& motion) noexcept override {
+  [[nodiscard]] server::Answer respond(const server::Motion& motion) noexcept override {
     if (!fixed_at_) fixed_at_ = motion.position;
     const Vector force_N = kStiffness_N_per_m * (*fixed_at_ - motion.position);
     torn_ = torn_ || force_N.norm() > kTorn_N;
-    server::Response response{.force = torn_ ? Vector::Zero(force_N.rows()) : force_N};
+    server::Answer answer{.force = torn_ ? Vector::Zero(force_N.rows()) : force_N};
     // A client that renders locally feels the band at its own rate between answers, as far as it cannot tear.
-    response.model.has_field = motion.wants_model && !torn_ && force_N.norm() < kTorn_N;
-    if (response.model.has_field) {
-      response.model.by_device_clock = true;
-      response.model.field.force_N.x() = force_N[0];
-      response.model.field.place_m.x() = motion.position[0];
-      response.model.field.jacobian_N_per_m(0, 0) = -kStiffness_N_per_m;
-      response.model.field.radius_m = (kTorn_N - force_N.norm()) / kStiffness_N_per_m;
+    answer.model.has_field = motion.wants_model && !torn_ && force_N.norm() < kTorn_N;
+    if (answer.model.has_field) {
+      answer.model.by_device_clock = true;
+      answer.model.field.force_N.x() = force_N[0];
+      answer.model.field.place_m.x() = motion.position[0];
+      answer.model.field.jacobian_N_per_m(0, 0) = -kStiffness_N_per_m;
+      answer.model.field.radius_m = (kTorn_N - force_N.norm()) / kStiffness_N_per_m;
     }
-    return response;
+    return answer;
   }
 
  private:

@@ -121,19 +121,19 @@ class ScriptedClient {
     wire::EnvironmentForce force{.session = script_.byte(), .sequence = ++forces_ + script_.byte()};
     force.motion_sequence = motion_.sequence - script_.byte();
     force.motion_device_time = motion_.device_time - std::chrono::milliseconds{script_.byte()};
-    force.force = vector(1);
+    force.answer.force = vector(1);
     force.position = vector(1e-5);
-    force.contact_normal = vector(1e-3);
-    force.penetration_m = script_.value<std::int16_t>() * 1e-5;
+    force.answer.contact_normal = vector(1e-3);
+    force.answer.penetration_m = script_.value<std::int16_t>() * 1e-5;
     force.server_receive_time = time::Nanoseconds{script_.value<std::int64_t>() >> 3};
     force.server_send_time = force.server_receive_time + time::Nanoseconds{script_.byte()};
     force.motions_received = script_.value<std::uint16_t>();
-    force.texture_N = script_.byte();
-    force.texture_wave = vector(1);
+    force.answer.texture_N = script_.byte();
+    force.answer.texture_wave = vector(1);
     force.server_law_numbers = control::ServerLawNumbers::Zero(script_.byte() % 17);
     for (double& number : force.server_law_numbers) number = script_.value<std::int16_t>() * 1e-2;
-    force.server_parts_N = vector(1);
-    force.torque_N_m = vector(1);
+    force.answer.server_parts_N = vector(1);
+    force.answer.torque_N_m = vector(1);
     return force;
   }
 

@@ -39,8 +39,8 @@ class Twice final : public TickSink {
                    {"round_trip_ns", std::to_string(f.round_trip.count())},
                    {"force",
                     {{"session", std::to_string(f.force.session)},
-                     {"force_N", rows(f.force.force)},
-                     {"contact_normal", rows(f.force.contact_normal)}}}}
+                     {"force_N", rows(f.force.answer.force)},
+                     {"contact_normal", rows(f.force.answer.contact_normal)}}}}
            << '\n';
   }
 

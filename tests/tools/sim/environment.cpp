@@ -38,18 +38,20 @@ class Adversary : public server::Environment {
     truth_ = std::move(truth);
   }
 
-  server::Response respond(const server::Motion& motion) noexcept final {
-    server::Response response = honest_->respond(motion);
+  server::Answer respond(const server::Motion& motion) noexcept final {
+    server::Answer answer = honest_->respond(motion);
     const Truth truth = truth_();
-    response.force = force({.time = truth.time,
-                            .position = motion.position,
-                            .velocity = truth.velocity,
-                            .own_force = response.force,
-                            .ledger_J = truth.ledger_J});
+    answer.force = force({.time = truth.time,
+                          .position = motion.position,
+                          .velocity = truth.velocity,
+                          .own_force = answer.force,
+                          .ledger_J = truth.ledger_J});
     // Where the client renders the scene itself, the same comes beside it.
-    if (is_hostile()) response.server_parts_N = response.force;
-    return response;
+    if (is_hostile()) answer.server_parts_N = answer.force;
+    return answer;
   }
+
+  std::span<const std::string* const> quarantined() const noexcept final { return honest_->quarantined(); }
 
   server::EnvironmentFaults faults() const noexcept final { return honest_->faults(); }
 

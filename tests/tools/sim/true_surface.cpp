@@ -15,7 +15,7 @@ void TrueSurface::hand_on_to(const std::vector<record::TickSink*>& sinks) {
 void TrueSurface::on_tick(const record::TickRecord& tick) noexcept {
   tick_ = tick;
   if (scene_) {
-    const scene::SceneAnswer here = scene_->answer(device_.truth().position, tick.time);
+    const scene::Answer here = scene_->answer(device_.truth().position, tick.time);
     tick_.contact = here.penetration_m > 0;
     tick_.penetration_m = here.penetration_m;
     tick_.displayed_N = tick_.contact ? tick.applied.dot(here.contact_normal) : 0;

@@ -142,7 +142,7 @@ TEST(Pictures, OfAServerHaveADeviceForEachSession) {
       writer.write(MotionRecord{std::chrono::milliseconds{ms}, motion});
       SentForceRecord force;
       force.force.session = session;
-      force.force.force = vector_of({0, 0, 1});
+      force.force.answer.force = vector_of({0, 0, 1});
       force.force.server_send_time = std::chrono::milliseconds{ms};
       writer.write(force);
     }

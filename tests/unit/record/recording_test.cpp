@@ -128,14 +128,15 @@ TEST(Recording, KeepsEveryFieldOfATickAndAForce) {
     const wire::EnvironmentForce& b = read.forces[i].force;
     EXPECT_EQ(kept.forces[i].receive_time, read.forces[i].receive_time);
     EXPECT_EQ(kept.forces[i].round_trip, read.forces[i].round_trip);
-    EXPECT_EQ(
-        std::tie(a.session, a.sequence, a.motion_sequence, a.motion_device_time, a.penetration_m, a.server_receive_time,
-                 a.server_send_time, a.compute_time, a.motions_received, a.motions_duplicated, a.motions_reordered),
-        std::tie(b.session, b.sequence, b.motion_sequence, b.motion_device_time, b.penetration_m, b.server_receive_time,
-                 b.server_send_time, b.compute_time, b.motions_received, b.motions_duplicated, b.motions_reordered));
-    EXPECT_EQ(a.force, b.force);
+    EXPECT_EQ(std::tie(a.session, a.sequence, a.motion_sequence, a.motion_device_time, a.answer.penetration_m,
+                       a.server_receive_time, a.server_send_time, a.compute_time, a.motions_received,
+                       a.motions_duplicated, a.motions_reordered),
+              std::tie(b.session, b.sequence, b.motion_sequence, b.motion_device_time, b.answer.penetration_m,
+                       b.server_receive_time, b.server_send_time, b.compute_time, b.motions_received,
+                       b.motions_duplicated, b.motions_reordered));
+    EXPECT_EQ(a.answer.force, b.answer.force);
     EXPECT_EQ(a.position, b.position);
-    EXPECT_EQ(a.contact_normal, b.contact_normal);
+    EXPECT_EQ(a.answer.contact_normal, b.answer.contact_normal);
   }
 }
 
@@ -146,7 +147,7 @@ TEST(Recording, OfAServerKeepsMotionAndForce) {
       Nanoseconds{123}, {7, 8, Nanoseconds{9}, vector_of({1.5, -2}), control::ServerLawNumbers::Constant(16, 0.5)}});
   SentForceRecord force;
   force.force.session = 7;
-  force.force.force = vector_of({0.25});
+  force.force.answer.force = vector_of({0.25});
   force.force.server_send_time = Nanoseconds{456};
   force.force.server_law_numbers = control::ServerLawNumbers::Constant(2, -0.25);
   writer.write(force);
@@ -160,7 +161,7 @@ TEST(Recording, OfAServerKeepsMotionAndForce) {
   EXPECT_EQ(read.motions[0].motion.server_law_numbers, control::ServerLawNumbers::Constant(16, 0.5));
   ASSERT_EQ(read.sent.size(), 1U);
   EXPECT_EQ(read.sent[0].force.session, 7U);
-  EXPECT_EQ(read.sent[0].force.force, vector_of({0.25}));
+  EXPECT_EQ(read.sent[0].force.answer.force, vector_of({0.25}));
   EXPECT_EQ(read.sent[0].force.server_law_numbers, control::ServerLawNumbers::Constant(2, -0.25));
 }
 

@@ -109,10 +109,10 @@ inline void play_sample_run(TickSink& sink, std::uint64_t ticks) {
       force.force.sequence = n - 9;
       force.force.motion_sequence = n - 5;
       force.force.motion_device_time = tick.time - force.round_trip;
-      force.force.force = tick.request;
+      force.force.answer.force = tick.request;
       force.force.position = tick.position;
-      force.force.contact_normal = vector_of({0, 0, 1});
-      force.force.penetration_m = tick.penetration_m;
+      force.force.answer.contact_normal = vector_of({0, 0, 1});
+      force.force.answer.penetration_m = tick.penetration_m;
       force.force.server_receive_time = Nanoseconds{static_cast<std::int64_t>(n) * 1'000'000};
       force.force.server_send_time = force.force.server_receive_time + Nanoseconds{23'000};
       force.force.compute_time = Nanoseconds{4'000 + static_cast<std::int64_t>(n % 17) * 10};

@@ -519,7 +519,7 @@ TEST(Summary, TellsHowLongARobotWasInWhichState) {
   Summary summary(test::sample_info());
   const auto answer = [&summary](std::uint64_t n, control::FollowerState state) {
     ForceRecord force = force_at(n, n);
-    force.force.follower = state;
+    force.force.answer.follower = state;
     summary.on_force(force);
   };
   for (std::uint64_t n = 1; n <= 50; ++n) answer(n, waiting);
@@ -527,7 +527,7 @@ TEST(Summary, TellsHowLongARobotWasInWhichState) {
   answer(1250, stopped);  // after a second without answers
   answer(1300, stopped);
   ForceRecord late = force_at(1310, 60);
-  late.force.follower = following;
+  late.force.answer.follower = following;
   summary.on_force(late);
   const json follower = json_of(summary)["follower"];
   EXPECT_EQ(follower["state"], "stopped") << "an answer that was overtaken tells nothing new";

@@ -120,13 +120,13 @@ TEST(CodecAbuse, NonFiniteNumbersAreRefusedInEveryField) {
     expect_refused(
         MotionSample{.position = vector_of({0}), .server_law_numbers = control::ServerLawNumbers::Constant(3, bad)});
     expect_refused(EnvironmentForce{.server_law_numbers = control::ServerLawNumbers::Constant(1, bad)});
-    expect_refused(EnvironmentForce{.force = vector_of({bad})});
+    expect_refused(EnvironmentForce{.answer = {.force = vector_of({bad})}});
     expect_refused(EnvironmentForce{.position = vector_of({bad, 0})});
-    expect_refused(EnvironmentForce{.contact_normal = vector_of({0, 0, bad})});
-    expect_refused(EnvironmentForce{.penetration_m = bad});
-    expect_refused(EnvironmentForce{.texture_N = bad});
-    expect_refused(EnvironmentForce{.texture_wave = vector_of({0, bad})});
-    expect_refused(EnvironmentForce{.texture_across = vector_of({bad})});
+    expect_refused(EnvironmentForce{.answer = {.contact_normal = vector_of({0, 0, bad})}});
+    expect_refused(EnvironmentForce{.answer = {.penetration_m = bad}});
+    expect_refused(EnvironmentForce{.answer = {.texture_N = bad}});
+    expect_refused(EnvironmentForce{.answer = {.texture_wave = vector_of({0, bad})}});
+    expect_refused(EnvironmentForce{.answer = {.texture_across = vector_of({bad})}});
   }
 }
 
@@ -156,13 +156,13 @@ TEST(CodecAbuse, MoreModelsThanThereIsRoomForMakeAllOfThemUnsound) {
   local_model::LocalModel model;
   model.surfaces[0] = test::sample_local_model().surfaces[0];
   model.surface_count = 1;
-  const Bytes body = body_of(copy(codec.encode(EnvironmentForce{.session = 9, .model = model})));
+  const Bytes body = body_of(copy(codec.encode(EnvironmentForce{.session = 9, .answer = {.model = model}})));
   Bytes many = body;
   for (int i = 0; i < 3; ++i) many.insert(many.end(), body.begin(), body.end());
   const auto once = codec.decode(framed(5, body));
-  EXPECT_TRUE(local_model::is_sound(std::get<EnvironmentForce>(std::get<Message>(once)).model));
+  EXPECT_TRUE(local_model::is_sound(std::get<EnvironmentForce>(std::get<Message>(once)).answer.model));
   const auto decoded = codec.decode(framed(5, many));
-  EXPECT_FALSE(local_model::is_sound(std::get<EnvironmentForce>(std::get<Message>(decoded)).model));
+  EXPECT_FALSE(local_model::is_sound(std::get<EnvironmentForce>(std::get<Message>(decoded)).answer.model));
 }
 
 TEST(CodecAbuse, ADecodedMessageLeavesNothingInTheNext) {
@@ -171,9 +171,9 @@ TEST(CodecAbuse, ADecodedMessageLeavesNothingInTheNext) {
   (void)codec.decode(copy(codec.encode(messages[4])));
   const auto decoded = codec.decode(copy(codec.encode(EnvironmentForce{.session = 1})));
   const auto& force = std::get<EnvironmentForce>(std::get<Message>(decoded));
-  EXPECT_EQ(force.force.rows(), 0);
-  EXPECT_EQ(force.contact_normal.rows(), 0);
-  EXPECT_EQ(force.penetration_m, 0);
+  EXPECT_EQ(force.answer.force.rows(), 0);
+  EXPECT_EQ(force.answer.contact_normal.rows(), 0);
+  EXPECT_EQ(force.answer.penetration_m, 0);
 }
 
 // Whatever an untrusted client sends is decoded to a message of finite numbers or as a reason.
@@ -215,9 +215,10 @@ TEST(CodecAbuse, RealBodiesWithChangedBytesAreHarmless) {
         if (decoded_message == nullptr) continue;
         ++messages;
         if (const auto* force = std::get_if<EnvironmentForce>(decoded_message)) {
-          EXPECT_TRUE(force->force.allFinite() && force->position.allFinite() && force->contact_normal.allFinite());
+          EXPECT_TRUE(force->answer.force.allFinite() && force->position.allFinite() &&
+                      force->answer.contact_normal.allFinite());
           EXPECT_TRUE(force->server_law_numbers.allFinite());
-          EXPECT_TRUE(std::isfinite(force->penetration_m));
+          EXPECT_TRUE(std::isfinite(force->answer.penetration_m));
         }
       }
     }
@@ -231,7 +232,7 @@ TEST(Heading, TellsTheSessionOrTheNonceWithoutTheBody) {
   constexpr std::uint64_t kNumber = 0x1234567890abcdef;
   const control::Vector one = control::Vector::Ones(1);
   EXPECT_EQ(of(MotionSample{.session = kNumber, .sequence = 1, .position = one}).session, kNumber);
-  EXPECT_EQ(of(EnvironmentForce{.session = kNumber, .sequence = 1, .force = one}).session, kNumber);
+  EXPECT_EQ(of(EnvironmentForce{.session = kNumber, .sequence = 1, .answer = {.force = one}}).session, kNumber);
   EXPECT_EQ(of(Bye{.session = kNumber, .forces_sent = 5}).session, kNumber);
   EXPECT_EQ(of(ScenePiece{.session = kNumber, .transmission = 1}).session, kNumber);
   EXPECT_EQ(of(Refusal{.session = kNumber, .reason = RefusalReason::unknown_session}).session, kNumber);

@@ -244,8 +244,8 @@ TEST(Codec, GivesAPieceOfASceneAndItsReceiptBack) {
   EXPECT_EQ(round_trip(codec, std::get<MotionSample>(one_of_each()[3])).handle,
             (control::Handle{.buttons = 0x80000001, .gripper = 0.25, .orientation = {{0.5, -0.5, 0.5, -0.5}}}));
   const auto force = round_trip(codec, std::get<EnvironmentForce>(one_of_each()[4]));
-  EXPECT_EQ(force.server_parts_N, vector_of({0, 1, 0}));
-  EXPECT_TRUE(force.texture_in_server_parts);
+  EXPECT_EQ(force.answer.server_parts_N, vector_of({0, 1, 0}));
+  EXPECT_TRUE(force.answer.texture_in_server_parts);
 }
 
 TEST(Codec, GivesATorqueAndAToolBackAndTakesThemForAbsentWhereTheyAre) {
@@ -256,14 +256,15 @@ TEST(Codec, GivesATorqueAndAToolBackAndTakesThemForAbsentWhereTheyAre) {
   EXPECT_EQ(round_trip(codec, Welcome{}).tool_m.rows(), 0);
   const auto told = codec.encode(Welcome{.tool_m = vector_of({0, 0, -0.6})});
   EXPECT_EQ(std::get<Malformed>(codec.decode(told)), Malformed::unreadable) << "longer than any that is held";
-  EXPECT_EQ(round_trip(codec, std::get<EnvironmentForce>(one_of_each()[4])).torque_N_m, vector_of({0.1, -0.2, 0.3}));
-  EXPECT_EQ(round_trip(codec, EnvironmentForce{}).torque_N_m.rows(), 0);
+  EXPECT_EQ(round_trip(codec, std::get<EnvironmentForce>(one_of_each()[4])).answer.torque_N_m,
+            vector_of({0.1, -0.2, 0.3}));
+  EXPECT_EQ(round_trip(codec, EnvironmentForce{}).answer.torque_N_m.rows(), 0);
 }
 
 TEST(Codec, GivesLocalModelsBackBitForBitWhereTheirNumbersHave24Bits) {
   Codec codec;
-  const local_model::LocalModel sent = std::get<EnvironmentForce>(one_of_each()[4]).model;
-  const local_model::LocalModel back = round_trip(codec, std::get<EnvironmentForce>(one_of_each()[4])).model;
+  const local_model::LocalModel sent = std::get<EnvironmentForce>(one_of_each()[4]).answer.model;
+  const local_model::LocalModel back = round_trip(codec, std::get<EnvironmentForce>(one_of_each()[4])).answer.model;
   EXPECT_TRUE(local_model::is_sound(back));
   EXPECT_EQ(back.by_device_clock, sent.by_device_clock);
   EXPECT_EQ(back.before_reading, sent.before_reading);
@@ -307,8 +308,8 @@ TEST(Codec, GivesLocalModelsBackBitForBitWhereTheirNumbersHave24Bits) {
 TEST(Codec, TakesWhatIsNotSaidToBeMovedByOthersForTheDevicesOwn) {
   Codec codec;
   EnvironmentForce sent = std::get<EnvironmentForce>(one_of_each()[4]);
-  sent.model.surfaces[0].others_move_it = sent.model.mass.others_move_it = false;
-  const local_model::LocalModel back = round_trip(codec, sent).model;
+  sent.answer.model.surfaces[0].others_move_it = sent.answer.model.mass.others_move_it = false;
+  const local_model::LocalModel back = round_trip(codec, sent).answer.model;
   EXPECT_FALSE(back.surfaces[0].others_move_it);
   EXPECT_FALSE(back.mass.others_move_it);
 }
@@ -316,11 +317,11 @@ TEST(Codec, TakesWhatIsNotSaidToBeMovedByOthersForTheDevicesOwn) {
 TEST(Codec, GivesAModelThatIsNotFiniteAsItIsWithAForceThatCanBeHeld) {
   Codec codec;
   EnvironmentForce sent = std::get<EnvironmentForce>(one_of_each()[4]);
-  sent.model.surfaces[0].place_m[1] = std::numeric_limits<double>::quiet_NaN();
+  sent.answer.model.surfaces[0].place_m[1] = std::numeric_limits<double>::quiet_NaN();
   const EnvironmentForce back = round_trip(codec, sent);
-  EXPECT_EQ(back.force, sent.force);
-  EXPECT_FALSE(back.model.empty());
-  EXPECT_FALSE(local_model::is_sound(back.model));
+  EXPECT_EQ(back.answer.force, sent.answer.force);
+  EXPECT_FALSE(back.answer.model.empty());
+  EXPECT_FALSE(local_model::is_sound(back.answer.model));
 }
 
 TEST(Codec, SaysTheLongestPieceInOneFrame) {
@@ -371,7 +372,8 @@ TEST(Codec, AnUnknownStateOfARobotIsFailed) {
         std::pair{100U, control::FollowerState::failed}}) {
     Bytes with = body;
     with.push_back(std::byte(number));
-    EXPECT_EQ(std::get<EnvironmentForce>(std::get<Message>(codec.decode(framed(5, with)))).follower, state) << number;
+    EXPECT_EQ(std::get<EnvironmentForce>(std::get<Message>(codec.decode(framed(5, with)))).answer.follower, state)
+        << number;
   }
 }
 
@@ -383,42 +385,42 @@ TEST(Codec, GivesAnyForceBackBitForBit) {
         .sequence = any_count(),
         .motion_sequence = any_count(),
         .motion_device_time = any_time(),
-        .force = any_vector(0),
-        .torque_N_m = any_vector(0),
         .position = any_vector(0),
-        .contact_normal = any_vector(0),
-        .penetration_m = *finite_number(),
         .server_receive_time = any_time(),
         .server_send_time = any_time(),
         .compute_time = any_time(),
         .motions_received = any_count(),
         .motions_duplicated = any_count(),
         .motions_reordered = any_count(),
-        .texture_N = *finite_number(),
-        .texture_wave = any_vector(0),
-        .texture_across = any_vector(0),
         .server_law_numbers = any_server_law_numbers(),
-        .server_parts_N = any_vector(0),
-        .texture_in_server_parts = *rc::gen::arbitrary<bool>(),
-        .model = {},
-        .follower = control::follower_state_of(*rc::gen::inRange(0U, unsigned{control::kFollowerStates}))};
+        .answer = {.force = any_vector(0),
+                   .torque_N_m = any_vector(0),
+                   .contact_normal = any_vector(0),
+                   .penetration_m = *finite_number(),
+                   .texture_N = *finite_number(),
+                   .texture_wave = any_vector(0),
+                   .texture_across = any_vector(0),
+                   .server_parts_N = any_vector(0),
+                   .texture_in_server_parts = *rc::gen::arbitrary<bool>(),
+                   .model = {},
+                   .follower = control::follower_state_of(*rc::gen::inRange(0U, unsigned{control::kFollowerStates}))}};
     const EnvironmentForce back = round_trip(codec, sent);
     RC_ASSERT(back.session == sent.session);
     RC_ASSERT(back.sequence == sent.sequence);
     RC_ASSERT(back.motion_sequence == sent.motion_sequence);
     RC_ASSERT(back.motion_device_time == sent.motion_device_time);
-    expect_same(back.force, sent.force);
-    expect_same(back.torque_N_m, sent.torque_N_m);
+    expect_same(back.answer.force, sent.answer.force);
+    expect_same(back.answer.torque_N_m, sent.answer.torque_N_m);
     expect_same(back.position, sent.position);
-    expect_same(back.contact_normal, sent.contact_normal);
-    RC_ASSERT(back.texture_N == sent.texture_N);
-    expect_same(back.texture_wave, sent.texture_wave);
-    expect_same(back.texture_across, sent.texture_across);
+    expect_same(back.answer.contact_normal, sent.answer.contact_normal);
+    RC_ASSERT(back.answer.texture_N == sent.answer.texture_N);
+    expect_same(back.answer.texture_wave, sent.answer.texture_wave);
+    expect_same(back.answer.texture_across, sent.answer.texture_across);
     expect_same(back.server_law_numbers, sent.server_law_numbers);
-    expect_same(back.server_parts_N, sent.server_parts_N);
-    RC_ASSERT(back.texture_in_server_parts == sent.texture_in_server_parts);
-    RC_ASSERT(back.follower == sent.follower);
-    RC_ASSERT(back.penetration_m == sent.penetration_m);
+    expect_same(back.answer.server_parts_N, sent.answer.server_parts_N);
+    RC_ASSERT(back.answer.texture_in_server_parts == sent.answer.texture_in_server_parts);
+    RC_ASSERT(back.answer.follower == sent.answer.follower);
+    RC_ASSERT(back.answer.penetration_m == sent.answer.penetration_m);
     RC_ASSERT(back.server_receive_time == sent.server_receive_time);
     RC_ASSERT(back.server_send_time == sent.server_send_time);
     RC_ASSERT(back.compute_time == sent.compute_time);
@@ -510,25 +512,25 @@ EnvironmentForce longest_answer(const control::Vector& six) {
           .sequence = ~0ull,
           .motion_sequence = ~0ull,
           .motion_device_time = -kTimeMost,
-          .force = six,
-          .torque_N_m = vector_of({1, 2, 3}),
           .position = six,
-          .contact_normal = six,
-          .penetration_m = 1,
           .server_receive_time = -kTimeMost,
           .server_send_time = -kTimeMost,
           .compute_time = -kTimeMost,
           .motions_received = ~0ull,
           .motions_duplicated = ~0ull,
           .motions_reordered = ~0ull,
-          .texture_N = 1,
-          .texture_wave = six,
-          .texture_across = six,
           .server_law_numbers = server_law_numbers(16),
-          .server_parts_N = six,
-          .texture_in_server_parts = true,
-          .model = most_models(),
-          .follower = control::FollowerState::taken};
+          .answer = {.force = six,
+                     .torque_N_m = vector_of({1, 2, 3}),
+                     .contact_normal = six,
+                     .penetration_m = 1,
+                     .texture_N = 1,
+                     .texture_wave = six,
+                     .texture_across = six,
+                     .server_parts_N = six,
+                     .texture_in_server_parts = true,
+                     .model = most_models(),
+                     .follower = control::FollowerState::taken}};
 }
 
 TEST(Codec, SaysTheMostThatAnyHalvesOfALawAndModelsCanSayInOneFrame) {
@@ -536,8 +538,8 @@ TEST(Codec, SaysTheMostThatAnyHalvesOfALawAndModelsCanSayInOneFrame) {
   const EnvironmentForce most = longest_answer(vector_of({1, 2, 3}));
   EXPECT_LE(codec.encode(most).size(), kFrameBytesMax);
   EXPECT_EQ(round_trip(codec, most).server_law_numbers, most.server_law_numbers);
-  EXPECT_EQ(round_trip(codec, most).model.surface_count, local_model::LocalModel::kSurfacesMax);
-  EXPECT_TRUE(round_trip(codec, most).model.has_field);
+  EXPECT_EQ(round_trip(codec, most).answer.model.surface_count, local_model::LocalModel::kSurfacesMax);
+  EXPECT_TRUE(round_trip(codec, most).answer.model.has_field);
 }
 
 TEST(Codec, LeavesOutModelsThatDoNotFitBesideSixAxes) {
@@ -545,9 +547,9 @@ TEST(Codec, LeavesOutModelsThatDoNotFitBesideSixAxes) {
   const EnvironmentForce most = longest_answer(vector_of({1, 2, 3, 4, 5, 6}));
   EXPECT_LE(codec.encode(most).size(), kFrameBytesMax);
   const EnvironmentForce back = round_trip(codec, most);
-  EXPECT_TRUE(back.model.empty());
-  EXPECT_EQ(back.force, most.force);
-  EXPECT_EQ(back.torque_N_m, most.torque_N_m);
+  EXPECT_TRUE(back.answer.model.empty());
+  EXPECT_EQ(back.answer.force, most.answer.force);
+  EXPECT_EQ(back.answer.torque_N_m, most.answer.torque_N_m);
 }
 
 TEST(Codec, CutsTextBetweenCharacters) {

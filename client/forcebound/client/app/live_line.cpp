@@ -23,7 +23,7 @@ void LiveLine::on_tick(const record::TickRecord& tick) noexcept {
 
 void LiveLine::on_force(const record::ForceRecord& force) noexcept {
   round_trip_ns_ = force.round_trip.count();
-  follower_ = force.force.follower;
+  follower_ = force.force.answer.follower;
 }
 
 std::string LiveLine::text(std::size_t columns) const {

@@ -70,6 +70,7 @@ TickSample Sampler::sample(const record::TickRecord& tick) const noexcept {
 
 ForceSample Sampler::sample(const record::ForceRecord& record) noexcept {
   const wire::EnvironmentForce& force = record.force;
+  const wire::Answer& answer = force.answer;
   place_m_ = axes_of(force.position);
   has_place_ = true;
   ForceSample sample{.session = force.session,
@@ -79,11 +80,11 @@ ForceSample Sampler::sample(const record::ForceRecord& record) noexcept {
                      .received = record.receive_time,
                      .round_trip = record.round_trip,
                      .at_server = force.server_send_time - force.server_receive_time,
-                     .follower = force.follower};
-  if (force.contact_normal.rows() > 0 && force.contact_normal.rows() == force.position.rows()) {
+                     .follower = answer.follower};
+  if (answer.contact_normal.rows() > 0 && answer.contact_normal.rows() == force.position.rows()) {
     sample.contact = true;
-    sample.normal = axes_of(force.contact_normal);
-    const control::Vector surface_m = force.position + force.penetration_m * force.contact_normal;
+    sample.normal = axes_of(answer.contact_normal);
+    const control::Vector surface_m = force.position + answer.penetration_m * answer.contact_normal;
     sample.surface_m = axes_of(surface_m);
   }
   return sample;

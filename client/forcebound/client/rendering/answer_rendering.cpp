@@ -91,11 +91,11 @@ double AnswerRendering::least_radius_m() const noexcept {
 void AnswerRendering::take(const wire::EnvironmentForce& newest, const Tick& tick) noexcept {
   sequence_ = newest.motion_sequence;
   session_ = newest.session;
-  force_N_ = newest.force;
-  server_parts_N_ = newest.server_parts_N;
-  const bool sound = local_model::is_sound(newest.model);
+  force_N_ = newest.answer.force;
+  server_parts_N_ = newest.answer.server_parts_N;
+  const bool sound = local_model::is_sound(newest.answer.model);
   if (!sound) ++refused_;
-  model_ = sound ? newest.model : local_model::LocalModel{};
+  model_ = sound ? newest.answer.model : local_model::LocalModel{};
   // What relaxes goes on with its surface, whose place in the list may be another.
   const auto before = surfaces_;
   for (std::uint32_t k = 0; k < surfaces_.size(); ++k) {

@@ -47,9 +47,9 @@ wire::PieceReceipt LocalRendering::receipt() const noexcept {
   return wanted ? receipts_.receipt(true) : wire::PieceReceipt{};
 }
 
-std::optional<LocalAnswer> LocalRendering::answer(const Vector& position, Nanoseconds device_time,
-                                                  const std::optional<wire::EnvironmentForce>& newest,
-                                                  const control::Handle& handle) noexcept {
+std::optional<Answer> LocalRendering::answer(const Vector& position, Nanoseconds device_time,
+                                             const std::optional<wire::EnvironmentForce>& newest,
+                                             const control::Handle& handle) noexcept {
   settle();
   // Until the builder has room for the order, the exchange still hands out the scene that ended.
   if (pending_) return std::nullopt;

@@ -47,20 +47,18 @@ class LocalRendering {
   /// To be sent with the next motion.
   [[nodiscard]] wire::PieceReceipt receipt() const noexcept;
 
-  [[nodiscard]] std::optional<LocalAnswer> answer(const Vector& position, Nanoseconds device_time,
-                                                  const std::optional<wire::EnvironmentForce>& newest,
-                                                  const control::Handle& handle = {}) noexcept;
+  /// As LocalScene::answer.
+  [[nodiscard]] std::optional<Answer> answer(const Vector& position, Nanoseconds device_time,
+                                             const std::optional<wire::EnvironmentForce>& newest,
+                                             const control::Handle& handle = {}) noexcept;
+
+  /// What runs here.
+  [[nodiscard]] const LocalScene& scene() const noexcept { return scene_; }
 
   [[nodiscard]] BuildPhase phase() const noexcept { return exchange_.phase(); }
 
   /// While the phase is `refused`: what cannot be, in one line.
   [[nodiscard]] std::string_view why_refused() const noexcept { return builder_.why_refused(); }
-
-  /// Parts of scenes that were left out here, because their force was not finite.
-  [[nodiscard]] std::uint64_t parts_quarantined() const noexcept { return scene_.quarantined(); }
-
-  /// Ticks on which the scene did not answer, because it would have searched too much of a mesh.
-  [[nodiscard]] std::uint64_t searches_exhausted() const noexcept { return scene_.searches_exhausted(); }
 
   [[nodiscard]] std::uint64_t pieces_received() const noexcept { return pieces_received_; }
   [[nodiscard]] std::uint64_t piece_bytes_received() const noexcept { return piece_bytes_; }

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "forcebound/client/rendering/device_point.hpp"
-#include "forcebound/client/rendering/texture.hpp"
 #include "forcebound/scene/geometry/bvh.hpp"
 
 namespace forcebound::client {
@@ -40,9 +39,10 @@ bool LocalScene::knows_about(const scene::Point& place_m, double more_m) const n
 
 bool LocalScene::begin(const Vector& position, const scene::Point& place_m,
                        const wire::EnvironmentForce& newest) noexcept {
-  const bool touched = newest.contact_normal.rows() == newest.position.rows();
+  const Answer& answer = newest.answer;
+  const bool touched = answer.contact_normal.rows() == newest.position.rows();
   Vector outside_m = newest.position;
-  if (touched) outside_m += (newest.penetration_m + kAbove_m) * newest.contact_normal;
+  if (touched) outside_m += (answer.penetration_m + kAbove_m) * answer.contact_normal;
   if (outside_m.rows() != position.rows() || !outside_m.allFinite()) return false;
   depth_m_ = 0;
   if (!knows_about(place_m, (translation_of(outside_m) - place_m).norm())) return false;
@@ -50,14 +50,13 @@ bool LocalScene::begin(const Vector& position, const scene::Point& place_m,
   return true;
 }
 
-std::optional<LocalAnswer> LocalScene::answer(const Vector& position, Nanoseconds device_time,
-                                              const wire::EnvironmentForce* newest,
-                                              const control::Handle& handle) noexcept {
+std::optional<Answer> LocalScene::answer(const Vector& position, Nanoseconds device_time,
+                                         const wire::EnvironmentForce* newest, const control::Handle& handle) noexcept {
   const scene::Point place_m = translation_of(position);
   exchange_.note_place(place_m);
   adopt();
   if (scene_ == nullptr) return std::nullopt;
-  const bool goes_on = active_;
+  swapped_ = !active_;
   const scene::SearchBudget budget(nodes_of_a_tick_);
   if (active_) {
     active_ = knows_about(place_m, 0);
@@ -67,7 +66,7 @@ std::optional<LocalAnswer> LocalScene::answer(const Vector& position, Nanosecond
   }
   if (!active_) return std::nullopt;
 
-  const scene::SceneAnswer answer = scene_->state.answer(position, device_time, {}, nullptr, handle);
+  Answer answer = scene_->state.answer(position, device_time, {}, false, handle);
   // Something may have been passed over, now and for what the scene remembers: it begins anew.
   if (scene::SearchBudget::exhausted()) {
     ++searches_exhausted_;
@@ -75,14 +74,9 @@ std::optional<LocalAnswer> LocalScene::answer(const Vector& position, Nanosecond
     return std::nullopt;
   }
   depth_m_ = answer.penetration_m;
-  quarantined_ += answer.quarantined.size();
-  const Contact touched{.normal = answer.contact_normal, .pushing_N = answer.force};
-  return LocalAnswer{.force_N = answer.force + ripples_N(answer.texture, touched, position),
-                     .contact_normal = answer.contact_normal,
-                     .penetration_m = answer.penetration_m,
-                     .driving_N = answer.driving,
-                     .scene = scene_->number,
-                     .swapped = !goes_on};
+  quarantined_ += scene_->state.quarantined().size();
+  answer.force += ripples_N(answer, {.answered_at = position, .position = position, .pushing_N = answer.force});
+  return answer;
 }
 
 }  // namespace forcebound::client

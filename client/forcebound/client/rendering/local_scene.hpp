@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "forcebound/answer/answer.hpp"
 #include "forcebound/client/rendering/scene_exchange.hpp"
 #include "forcebound/control/handle.hpp"
 #include "forcebound/control/vector.hpp"
@@ -11,20 +12,9 @@
 
 namespace forcebound::client {
 
+using answer::Answer;
 using control::Vector;
 using time::Nanoseconds;
-
-/// The answer of the scene at the client for one tick.
-struct LocalAnswer {
-  Vector force_N{};          ///< of the parts that run here, ripples of textures included
-  Vector contact_normal{};   ///< unit, out of the surface touched; no rows: no contact
-  double penetration_m = 0;  ///< depth below that surface; 0: no contact
-  Vector driving_N{};        ///< of `force_N`, that of effects that drive; no rows: there are none
-  std::uint64_t scene = 0;   ///< number of the scene built
-  /// It does not go on from the last tick's. Where more of a scene has arrived, it does: what is about the device was
-  /// known before.
-  bool swapped = false;
-};
 
 /// The scene that runs at the device's position: takes the newest scene of the builder, and answers wherever all
 /// geometry around the device has arrived.
@@ -59,12 +49,20 @@ class LocalScene {
   /// @param handle of the device at `device_time`
   /// @param newest of the server's answers in this scene, or null: where the device was outside, or which surface it
   /// touched. It begins from none that is older than `kAnswerAgeMax`.
-  [[nodiscard]] std::optional<LocalAnswer> answer(const Vector& position, Nanoseconds device_time,
-                                                  const wire::EnvironmentForce* newest,
-                                                  const control::Handle& handle = {}) noexcept;
+  /// @returns the answer of the parts that run here; its force includes the ripples of textures
+  [[nodiscard]] std::optional<Answer> answer(const Vector& position, Nanoseconds device_time,
+                                             const wire::EnvironmentForce* newest,
+                                             const control::Handle& handle = {}) noexcept;
 
   /// Whether the last answer was one.
   [[nodiscard]] bool active() const noexcept { return active_; }
+
+  /// The last answer does not go on from that of the tick before. Where more of a scene has arrived, it does: what is
+  /// about the device was known before.
+  [[nodiscard]] bool swapped() const noexcept { return swapped_; }
+
+  /// Number of the scene built that the last answer is of; 0: there was none.
+  [[nodiscard]] std::uint64_t number() const noexcept { return active_ ? scene_->number : 0; }
 
   /// Parts whose force was not finite, and which are left out from then on.
   [[nodiscard]] std::uint64_t quarantined() const noexcept { return quarantined_; }
@@ -82,6 +80,7 @@ class LocalScene {
   std::uint64_t nodes_of_a_tick_;
   BuiltScene* scene_ = nullptr;  // the builder's to destroy; null: none of this offer
   bool active_ = false;
+  bool swapped_ = false;
   double depth_m_ = 0;
   std::uint64_t quarantined_ = 0;
   std::uint64_t searches_exhausted_ = 0;

@@ -2,17 +2,27 @@
 
 #include <utility>
 
-#include "forcebound/client/rendering/texture.hpp"
 #include "forcebound/control/translation.hpp"
 
 namespace forcebound::client {
+namespace {
+
+/// Ripples of the surface that the server's answer says is touched, at the device's present position.
+Vector ripples_of(const wire::EnvironmentForce& newest, const Vector& pushing_N, const Vector& position) noexcept {
+  return ripples_N(newest.answer, {.answered_at = newest.position, .position = position, .pushing_N = pushing_N});
+}
+
+}  // namespace
 
 RequestRendering::Request RequestRendering::render(const std::optional<wire::EnvironmentForce>& newest,
                                                    const Tick& tick) noexcept {
   Request request{.force_N = Vector::Zero(tick.position.rows())};
-  if (newest) request.force_N = tick.share * (newest->force + texture_force_N(*newest, tick.position));
+  if (newest) {
+    const Answer& answer = newest->answer;
+    request.force_N = tick.share * (answer.force + ripples_of(*newest, answer.force, tick.position));
+    request.torque_N_m = tick.share * control::translation_of(answer.torque_N_m);
+  }
   request.remote_N = request.force_N;
-  if (newest) request.torque_N_m = tick.share * control::translation_of(newest->torque_N_m);
   if (local_ != nullptr && tick.place.allFinite()) render_locally(newest, tick, request);
   request.force_N = force_slew_.bound(request.force_N, tick.elapsed_s);
   request.torque_N_m += tick.arm_m.cross(control::translation_of(request.force_N));
@@ -37,22 +47,30 @@ void RequestRendering::render_locally(const std::optional<wire::EnvironmentForce
   if (request.local) {
     // What stands still stays when the server is silent; what drives the device does not go on without it.
     if (tick.share < 1 && request.local->driving_N.rows() > 0)
-      request.local->force_N -= (1 - tick.share) * request.local->driving_N;
-    request.force_N = request.local->force_N;
-    request.with_server_parts = newest && tick.share > 0 && newest->server_parts_N.rows() == request.force_N.rows();
-    if (request.with_server_parts) request.force_N += tick.share * newest->server_parts_N;
-    if (request.with_server_parts && newest->texture_in_server_parts)
-      request.force_N += tick.share * texture_force_N(*newest, newest->server_parts_N, tick.position);
+      request.local->force -= (1 - tick.share) * request.local->driving_N;
+    request.force_N = request.local->force;
+    request.local_scene = local_->scene().number();
+    if (newest && tick.share > 0) add_server_parts(*newest, tick, request);
   }
   if (newest) request.force_N += request.models.correction_N;
   swap_sources(tick.now, request);
+}
+
+void RequestRendering::add_server_parts(const wire::EnvironmentForce& newest, const Tick& tick,
+                                        Request& request) noexcept {
+  const Vector& server_parts_N = newest.answer.server_parts_N;
+  request.with_server_parts = server_parts_N.rows() == request.force_N.rows();
+  if (!request.with_server_parts) return;
+  request.force_N += tick.share * server_parts_N;
+  if (newest.answer.texture_in_server_parts)
+    request.force_N += tick.share * ripples_of(newest, server_parts_N, tick.position);
 }
 
 /// Where the scene at the client takes over, or ends, the force goes on from what it was.
 void RequestRendering::swap_sources(Nanoseconds now, Request& request) noexcept {
   const bool local = request.local.has_value();
   const bool before = std::exchange(local_before_, local);
-  const bool swapped = local != before || (local && request.local->swapped);
+  const bool swapped = local != before || (local && local_->scene().swapped());
   if (swapped && last_request_N_.rows() == request.force_N.rows()) {
     // What the source until now would request now: the server's answer says it, a scene that does not answer any more
     // said it last.

@@ -44,7 +44,8 @@ class RequestRendering {
     Vector force_N{};
     Eigen::Vector3d torque_N_m = Eigen::Vector3d::Zero();  ///< about the grip
     Vector remote_N{};                                     ///< what the server's answers alone would ask for
-    std::optional<LocalAnswer> local{};
+    std::optional<Answer> local{};                         ///< of the scene here
+    std::uint64_t local_scene = 0;                         ///< its number; 0: none runs here
     bool with_server_parts = false;      ///< of the server's answer there is a part in it, beside the scene here
     AnswerRendering::Rendered models{};  ///< what local models change of the server's answer
   };
@@ -72,6 +73,7 @@ class RequestRendering {
 
  private:
   void render_locally(const std::optional<wire::EnvironmentForce>& newest, const Tick& tick, Request& request) noexcept;
+  static void add_server_parts(const wire::EnvironmentForce& newest, const Tick& tick, Request& request) noexcept;
   void swap_sources(Nanoseconds now, Request& request) noexcept;
 
   LocalRendering* local_;

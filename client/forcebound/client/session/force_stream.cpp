@@ -19,22 +19,23 @@ bool fits(const control::Vector& wave_rad_per_m, int degrees_of_freedom) noexcep
 bool fits(const wire::EnvironmentForce& force, int degrees_of_freedom) noexcept {
   constexpr double kSurface_m_max = 1e4;  // farther from the origin than a scene's file can place a surface
   constexpr double kNormalRounding = 1e-6;
-  if (force.force.rows() != degrees_of_freedom || force.position.rows() != degrees_of_freedom) return false;
-  if (force.server_parts_N.rows() != 0 && force.server_parts_N.rows() != degrees_of_freedom) return false;
-  if (force.torque_N_m.rows() != 0 && force.torque_N_m.rows() != Eigen::Vector3d::RowsAtCompileTime) return false;
+  const wire::Answer& answer = force.answer;
+  if (answer.force.rows() != degrees_of_freedom || force.position.rows() != degrees_of_freedom) return false;
+  if (answer.server_parts_N.rows() != 0 && answer.server_parts_N.rows() != degrees_of_freedom) return false;
+  if (answer.torque_N_m.rows() != 0 && answer.torque_N_m.rows() != Eigen::Vector3d::RowsAtCompileTime) return false;
   if (force.server_receive_time < Nanoseconds::zero() || force.server_send_time < force.server_receive_time)
     return false;
   if (force.compute_time < Nanoseconds::zero() ||
       force.compute_time > force.server_send_time - force.server_receive_time) {
     return false;
   }
-  if (force.contact_normal.rows() == 0) return true;
-  if (!fits(force.texture_wave, degrees_of_freedom) || !fits(force.texture_across, degrees_of_freedom)) return false;
+  if (answer.contact_normal.rows() == 0) return true;
+  if (!fits(answer.texture_wave, degrees_of_freedom) || !fits(answer.texture_across, degrees_of_freedom)) return false;
   // Triangle inequality: a position is no farther from a surface than from the origin plus the origin from the surface.
   // A limit independent of the position would refuse every answer to a device far behind a wall.
   const double penetration_m_max = kSurface_m_max + force.position.stableNorm();
-  return force.contact_normal.rows() == degrees_of_freedom && std::abs(force.penetration_m) <= penetration_m_max &&
-         std::abs(force.contact_normal.stableNorm() - 1) <= kNormalRounding;
+  return answer.contact_normal.rows() == degrees_of_freedom && std::abs(answer.penetration_m) <= penetration_m_max &&
+         std::abs(answer.contact_normal.stableNorm() - 1) <= kNormalRounding;
 }
 
 constexpr std::uint64_t missing(std::uint64_t all, std::uint64_t seen) noexcept { return all > seen ? all - seen : 0; }

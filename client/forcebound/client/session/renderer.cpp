@@ -43,7 +43,8 @@ Renderer::Rendered Renderer::render(const Tick& tick) noexcept {
                             .arm_m = tick.point.arm_m};
   Rendered rendered;
   if (tick.newest) {
-    FORCEBOUND_ASSERT(tick.newest->force.rows() == tick.point.tip.rows() && tick.newest->force.allFinite(),
+    const Vector& force_N = tick.newest->answer.force;
+    FORCEBOUND_ASSERT(force_N.rows() == tick.point.tip.rows() && force_N.allFinite(),
                       "a force that was accepted is finite, with a row for each degree of freedom");
     rendered.force_sequence = tick.newest->motion_sequence;
     rendered.force_age = tick.now - ForceStream::reading_time(*tick.newest);
@@ -69,9 +70,9 @@ Renderer::Rendered Renderer::render(const Tick& tick) noexcept {
 ModelAge Renderer::model_age(const wire::EnvironmentForce& newest, const Tick& tick) const noexcept {
   const Nanoseconds at = tick.reading.latched;
   const Nanoseconds read = ForceStream::reading_time(newest);
-  Nanoseconds told_of = newest.model.state_time(read);
+  Nanoseconds told_of = newest.answer.model.state_time(read);
   Nanoseconds uncertain{0};
-  if (!newest.model.by_device_clock) {
+  if (!newest.answer.model.by_device_clock) {
     const Nanoseconds arrived = std::max(read, tick.newest_arrival);
     told_of = std::clamp(tick.clocks.by_device(newest.server_receive_time), read, arrived);
     uncertain = std::min(tick.clocks.uncertainty(at), arrived - read);
@@ -130,8 +131,8 @@ void Renderer::add_to(record::RunTotals& totals) const {
   totals.scene_piece_bytes = local_->piece_bytes_received();
   totals.scenes_from_cache = scenes.from_cache;
   totals.scenes_refused = scenes.refused;
-  totals.parts_quarantined = local_->parts_quarantined();
-  totals.searches_exhausted = local_->searches_exhausted();
+  totals.parts_quarantined = local_->scene().quarantined();
+  totals.searches_exhausted = local_->scene().searches_exhausted();
   if (!scenes.why_refused.empty()) totals.notes.push_back("scene refused: " + scenes.why_refused);
   if (!scenes.cache_problem.empty()) totals.notes.push_back(scenes.cache_problem);
 }

@@ -90,7 +90,7 @@ bool SessionLink::accept(const wire::EnvironmentForce& force, Arrival& arrival, 
       arrival.newest = true;
       silent_since_ = now;
       outages_.on_force(now, forces_.progress());
-      report_follower(force.follower, now);
+      report_follower(force.answer.follower, now);
       [[fallthrough]];
     case ForceStream::Verdict::reordered:
       clocks_.note({.read = ForceStream::reading_time(force),

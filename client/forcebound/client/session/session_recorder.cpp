@@ -33,18 +33,18 @@ void record_contact(const SessionRecorder::Tick& tick, record::TickRecord& row) 
     if (row.contact) row.displayed_N = row.applied.dot(local->contact_normal);
     return;
   }
-  const auto& force = tick.newest;
-  if (!force || tick.rendered.policy == ForcePolicy::dropped) return;
-  const Vector away = tick.point.tip - force->position;
+  if (!tick.newest || tick.rendered.policy == ForcePolicy::dropped) return;
+  const wire::Answer& answer = tick.newest->answer;
+  const Vector away = tick.point.tip - tick.newest->position;
   const bool near = away.head(std::min(away.rows(), kTranslationsMax)).norm() <= kPlaneReach_m;
-  row.contact = force->contact_normal.rows() == row.applied.rows();
+  row.contact = answer.contact_normal.rows() == row.applied.rows();
   if (!row.contact) {
     if (near) row.penetration_m = 0;
     return;
   }
-  row.displayed_N = row.applied.dot(force->contact_normal);
+  row.displayed_N = row.applied.dot(answer.contact_normal);
   if (!near) return;
-  row.penetration_m = force->penetration_m - force->contact_normal.dot(away);
+  row.penetration_m = answer.penetration_m - answer.contact_normal.dot(away);
   row.contact = row.penetration_m > 0;
 }
 
@@ -96,9 +96,9 @@ void SessionRecorder::record(const Tick& tick) noexcept {
                          .model_deviation_m = request.models.deviation_m,
                          .handle = tick.reading.handle};
   if (request.local) {
-    if (request.local->scene != std::exchange(local_scene_, request.local->scene)) local_since_ = tick.now;
-    row.local = request.local->force_N;
-    row.local_scene = request.local->scene;
+    if (request.local_scene != std::exchange(local_scene_, request.local_scene)) local_since_ = tick.now;
+    row.local = request.local->force;
+    row.local_scene = request.local_scene;
     row.local_scene_age = tick.now - local_since_;
   }
   record_contact(tick, row);

@@ -59,8 +59,8 @@ class Measurement {
     const Nanoseconds begin = clock_.now();
     for (const Vector& place : places_) {
       device_time_ += kPeriod;
-      const scene::SceneAnswer answer = state_.answer(place, device_time_, device_time_, &model_);
-      left_out_ = !answer.quarantined.empty() || left_out_;
+      const scene::Answer answer = state_.answer(place, device_time_, device_time_, true);
+      left_out_ = !state_.quarantined().empty() || left_out_;
       felt = felt && !answer.force.isZero(0);
     }
     const Nanoseconds taken = clock_.now() - begin;
@@ -76,7 +76,6 @@ class Measurement {
   const time::Clock& clock_;
   int per_batch_ = kMotionsPerBatch;
   Nanoseconds device_time_{0};
-  local_model::LocalModel model_{};
   std::vector<Vector> places_;
   std::vector<double> costs_ns_;
   std::vector<double> felt_ns_;

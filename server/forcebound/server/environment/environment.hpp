@@ -7,24 +7,24 @@
 #include <string>
 #include <vector>
 
-#include "forcebound/control/follower_state.hpp"
+#include "forcebound/answer/answer.hpp"
 #include "forcebound/control/handle.hpp"
 #include "forcebound/control/vector.hpp"
 #include "forcebound/handover/packed_scene.hpp"
-#include "forcebound/local_model/local_model.hpp"
 #include "forcebound/scene/rendering.hpp"
 #include "forcebound/time/clock.hpp"
 #include "forcebound/view/description.hpp"
 
 namespace forcebound::server {
 
+using answer::Answer;
 using control::Vector;
 using time::Nanoseconds;
 
-/// Input of an environment: one motion of the device. Positions, forces and normals have one row per degree of freedom
-/// of the device, in the environment's frame.
+/// Input of an environment: one motion of the device.
 struct Motion {
-  const Vector& position;      ///< [m], rotations [rad]; finite
+  /// [m], rotations [rad], one row per degree of freedom of the device, in the environment's frame; finite.
+  const Vector& position;
   Nanoseconds device_time{0};  ///< client's clock at the reading; it may jump, since clients are untrusted
   Nanoseconds server_time{0};  ///< server's clock at its arrival
   bool wants_model = false;    ///< the client renders locally: a local model would be sent to it
@@ -32,26 +32,6 @@ struct Motion {
   control::Handle handle{};
   /// That the law at the device has given up since it began, for a robot to spend [J]; as the client tells, finite.
   double energy_given_J = 0;
-};
-
-/// Output of an environment for one motion. All numbers are finite; vectors have one row per degree of freedom of the
-/// device, optional ones may have none.
-struct Response {
-  Vector force{};                        ///< on the device [N]
-  Vector torque_N_m{};                   ///< on its handle, scene frame, three rows; no rows: none
-  Vector contact_normal{};               ///< unit, out of the surface touched (deepest one); no rows: no contact
-  double penetration_m = 0;              ///< depth below that surface, 0: no contact
-  double texture_N = 0;                  ///< amplitude of the surface's ripples, 0: smooth
-  Vector texture_wave{};                 ///< their wave vector [rad/m], in the tangent plane
-  Vector texture_across{};               ///< a second one, for ripples in both directions
-  Vector server_parts_N{};               ///< of `force`, that of the parts that are not handed over; no rows: zero
-  bool texture_in_server_parts = false;  ///< the surface with the ripples is one of those
-  /// What of `server_parts_N` (where there is none, of `force`) the client can render itself until the next answer; may
-  /// be empty. Unsound, it is not sent and its forces are held: local_model::is_sound.
-  local_model::LocalModel model{};
-  /// Names of the parts quarantined on this motion: they are left out from now on. Valid until the next motion.
-  std::span<const std::string* const> quarantined{};
-  control::FollowerState follower = control::FollowerState::none;  ///< of a robot that is the environment
 };
 
 /// Counts of faults that an environment handled itself.
@@ -65,8 +45,8 @@ struct EnvironmentFaults {
 
 /// The source of one client's forces: a scene, a follower robot, or a user's own program.
 ///
-/// One instance per session, destroyed with it. A response that is not finite or has the wrong number of rows is
-/// discarded: the client is sent zero force, and the server counts it.
+/// One instance per session, destroyed with it. An answer that is unsound (answer::is_sound) is discarded: the client
+/// is sent zero force, and the server counts it.
 ///
 /// Real time: `respond` is called on the server's one thread for each motion answered, and every other client waits
 /// meanwhile. It must not allocate, wait, lock, print or throw.
@@ -74,7 +54,11 @@ class Environment {
  public:
   virtual ~Environment() = default;
 
-  [[nodiscard]] virtual Response respond(const Motion& motion) noexcept = 0;
+  [[nodiscard]] virtual Answer respond(const Motion& motion) noexcept = 0;
+
+  /// Names of the parts that the last motion quarantined: they are left out from then on. Valid until the next motion.
+  /// Real time, as `respond`.
+  [[nodiscard]] virtual std::span<const std::string* const> quarantined() const noexcept { return {}; }
 
   /// How it looks, for a client that shows it to people; null: it is not to be seen. Not real time: may allocate.
   /// @param which of its static parts
@@ -104,7 +88,7 @@ struct ClientFacts {
   double force_N_max = 0;        ///< the device's maximum force
   Nanoseconds round_trip{0};     ///< 0: not measured
   bool renders_locally = false;  ///< what it can: static parts, and local models of the rest
-  bool shows_torque = false;     ///< it turns its handle by motors: Response::torque_N_m is for it
+  bool shows_torque = false;     ///< it turns its handle by motors: Answer::torque_N_m is for it
 };
 
 /// An environment for one session, and its description for the client and the log.
@@ -113,7 +97,7 @@ struct MadeEnvironment {
   std::string simulated{};  ///< in one line
   std::uint64_t hash = 0;   ///< the same hash, the same environment; 0: not known
   std::string choice{};     ///< the level picked for this client, and the reason; empty: there was no choice
-  /// What a client can run itself; null: nothing. `Response::server_parts_N` is then the force of the other parts.
+  /// What a client can run itself; null: nothing. `Answer::server_parts_N` is then the force of the other parts.
   std::shared_ptr<const handover::PackedScene> packed{};
   /// The least of its parts' renderings, so that a client knows what to expect beside the packed ones.
   scene::Rendering least_rendering = scene::Rendering::held;

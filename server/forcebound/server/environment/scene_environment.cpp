@@ -51,25 +51,11 @@ class SceneEnvironment final : public Environment {
     return state_.see(group, first, to);
   }
 
-  Response respond(const Motion& motion) noexcept override {
-    Response response;
-    const scene::SceneAnswer answer = state_.answer(motion.position, motion.device_time, motion.server_time,
-                                                    motion.wants_model ? &response.model : nullptr, motion.handle);
-    const auto wave = [&](int i) {
-      const bool any = answer.texture.amplitude_N > 0 && i < answer.texture.waves;
-      return any ? state_.in_device_rows(answer.texture.waves_rad_per_m.at(static_cast<std::size_t>(i))) : Vector();
-    };
-    response.force = answer.force;
-    response.contact_normal = answer.contact_normal;
-    response.penetration_m = answer.penetration_m;
-    response.texture_N = answer.texture.amplitude_N;
-    response.texture_wave = wave(0);
-    response.texture_across = wave(1);
-    if (!answer.server_parts_N.isZero(0)) response.server_parts_N = answer.server_parts_N;
-    response.texture_in_server_parts = answer.texture_in_server_parts;
-    response.quarantined = answer.quarantined;
-    return response;
+  Answer respond(const Motion& motion) noexcept override {
+    return state_.answer(motion.position, motion.device_time, motion.server_time, motion.wants_model, motion.handle);
   }
+
+  std::span<const std::string* const> quarantined() const noexcept override { return state_.quarantined(); }
 
   EnvironmentFaults faults() const noexcept override {
     const scene::SceneFaults& faults = state_.faults();

@@ -272,7 +272,7 @@ HandTrial try_hand(const std::shared_ptr<const scene::Scene>& scene, const Sugge
   for (time::Nanoseconds now{0}; time::to_seconds(now) <= HandTrial::kLongest_s; now += kTick) {
     const device::Reading reading = device.read(now);
     if (!reading.position.allFinite()) break;
-    const scene::SceneAnswer answer = state.answer(reading.position, now, {}, nullptr, reading.handle);
+    const scene::Answer answer = state.answer(reading.position, now, {}, false, reading.handle);
     // A device within an object that does not push, such as a viscous one, has not touched it.
     const bool touches = !answer.force.isZero(0) && (!surface || answer.penetration_m > 0);
     if (touches) return {.starts_inside = surface && now == time::Nanoseconds{0}, .touched_s = time::to_seconds(now)};

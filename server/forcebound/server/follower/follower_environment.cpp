@@ -33,7 +33,7 @@ class FollowerEnvironment final : public Environment {
   FollowerEnvironment(const FollowerEnvironment&) = delete;
   FollowerEnvironment& operator=(const FollowerEnvironment&) = delete;
 
-  [[nodiscard]] Response respond(const Motion& motion) noexcept override {
+  [[nodiscard]] Answer respond(const Motion& motion) noexcept override {
     const Eigen::Index rows = motion.position.rows();
     if (seat_->holder == nullptr) take_seat();
     // Another leader took the robot while this one was silent.
@@ -46,12 +46,12 @@ class FollowerEnvironment final : public Environment {
     const ToolPose wanted = report.map.tool_of(leader);
     const Eigen::Vector3d& wanted_m = wanted.position;
     const Eigen::Vector3d force_N = report.share * report.map.to_leader_N(report.reflection.at(wanted_m));
-    Response response{.force = force_N.head(std::min<Eigen::Index>(rows, 3)), .follower = report.state};
+    Answer answer{.force = force_N.head(std::min<Eigen::Index>(rows, 3)), .follower = report.state};
     if (shows_torque_ && motion.handle.orientation && report.reflection.torque_N_m_max > 0) {
-      response.torque_N_m = report.share * report.map.to_leader_N_m(report.reflection.torque_at(wanted.orientation));
+      answer.torque_N_m = report.share * report.map.to_leader_N_m(report.reflection.torque_at(wanted.orientation));
     }
-    if (report.reflection.plane && report.share > 0) add_plane(report, wanted_m, rows, response);
-    return response;
+    if (report.reflection.plane && report.share > 0) add_plane(report, wanted_m, rows, answer);
+    return answer;
   }
 
   /// Of the whole world: nothing of it is handed over.
@@ -70,27 +70,27 @@ class FollowerEnvironment final : public Environment {
   }
 
   static void add_plane(const FollowerReport& report, const Eigen::Vector3d& wanted_m, Eigen::Index rows,
-                        Response& response) noexcept {
+                        Answer& answer) noexcept {
     const ReflectedPlane& plane = *report.reflection.plane;
     const Eigen::Vector3d normal = report.map.to_leader_direction(plane.normal);
     const double depth_m = (plane.place_m - wanted_m).dot(plane.normal);
     if (depth_m > 0) {
-      response.contact_normal = normal.head(rows);
-      response.penetration_m = depth_m / report.map.settings().motion_scale;
+      answer.contact_normal = normal.head(rows);
+      answer.penetration_m = depth_m / report.map.settings().motion_scale;
     }
     if (report.share < 1) return;  // the force alone, while it begins
     const double stiffness = report.map.leader_stiffness_N_per_m(plane.stiffness_N_per_m);
-    local_model::Surface& surface = response.model.surfaces[0];
+    local_model::Surface& surface = answer.model.surfaces[0];
     surface.id = plane.id;
     surface.normal = normal;
     surface.place_m = report.map.leader_place_m(plane.place_m);
     surface.stiffness_N_per_m = stiffness * normal * normal.transpose();
     surface.friction = plane.friction;
     surface.force_N = Eigen::Vector3d::Zero();
-    surface.force_N.head(rows) = response.force;
+    surface.force_N.head(rows) = answer.force;
     constexpr double kReach_m = 1;  // a plane, as far as a hand's workspace goes
     surface.radius_m = kReach_m;
-    response.model.surface_count = 1;
+    answer.model.surface_count = 1;
   }
 
   std::shared_ptr<FollowerRunner> runner_;

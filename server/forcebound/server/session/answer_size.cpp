@@ -40,19 +40,19 @@ std::size_t answer_bytes(const scene::Scene& scene) {
                                      .sequence = kCount,
                                      .motion_sequence = kCount,
                                      .motion_device_time = kTime,
-                                     .force = any,
                                      .position = any,
-                                     .contact_normal = any,
-                                     .penetration_m = 1e-3,
                                      .server_receive_time = kTime,
                                      .server_send_time = kTime,
                                      .compute_time = std::chrono::microseconds{1},
                                      .motions_received = kCount,
                                      .motions_duplicated = 0,
                                      .motions_reordered = 0,
-                                     .texture_N = waves > 0 ? 1.0 : 0.0,
-                                     .texture_wave = waves > 0 ? any : control::Vector(),
-                                     .texture_across = waves > 1 ? any : control::Vector()};
+                                     .answer = {.force = any,
+                                                .contact_normal = any,
+                                                .penetration_m = 1e-3,
+                                                .texture_N = waves > 0 ? 1.0 : 0.0,
+                                                .texture_wave = waves > 0 ? any : control::Vector(),
+                                                .texture_across = waves > 1 ? any : control::Vector()}};
   wire::Codec codec;
   return codec.encode(force).size() + kIpAndUdpBytes;
 }

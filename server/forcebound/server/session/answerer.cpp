@@ -1,7 +1,6 @@
 #include "forcebound/server/session/answerer.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <exception>
 #include <optional>
 #include <span>
@@ -20,19 +19,6 @@ constexpr int kViewPiecesAtOnce = 100;
 
 /// A worker's part of what all may do together.
 int part_of(int all, const WorkerPlace& worker) noexcept { return std::max(1, all / static_cast<int>(worker.workers)); }
-
-bool is_sound(const Response& response, Eigen::Index rows) noexcept {
-  const auto none_or_sound = [rows](const Vector& vector) {
-    return vector.rows() == 0 || (vector.rows() == rows && vector.allFinite());
-  };
-  const bool torque_is_sound =
-      response.torque_N_m.rows() == 0 ||
-      (response.torque_N_m.rows() == Eigen::Vector3d::RowsAtCompileTime && response.torque_N_m.allFinite());
-  return torque_is_sound && response.force.rows() == rows && response.force.allFinite() &&
-         none_or_sound(response.contact_normal) && none_or_sound(response.server_parts_N) &&
-         std::isfinite(response.penetration_m) && response.penetration_m >= 0 && std::isfinite(response.texture_N) &&
-         response.texture_N >= 0 && none_or_sound(response.texture_wave) && none_or_sound(response.texture_across);
-}
 
 }  // namespace
 
@@ -129,20 +115,22 @@ std::uint64_t Answerer::new_challenge() noexcept {
   }
 }
 
-Response Answerer::ask(Session& session, const Motion& motion) noexcept {
-  const Response response = session.made.environment->respond(motion);
-  if (is_sound(response, motion.position.rows())) return response;
+Answer Answerer::ask(Session& session, const Motion& motion) noexcept {
+  const Answer answer = session.made.environment->respond(motion);
+  if (answer::is_sound(answer, motion.position.rows())) return answer;
   ++parts_.counters.responses_unsound;
   if (!std::exchange(session.unsound_reported, true)) parts_.observer.on_unsound_response(session.info);
-  return {.force = Vector::Zero(motion.position.rows()), .quarantined = response.quarantined};
+  return {.force = Vector::Zero(motion.position.rows())};
 }
 
-/// The one place that checks it: here a stranger's environment enters, and scenes are like it.
-local_model::LocalModel Answerer::model_of(const Session& session, const Response& response) noexcept {
-  if (!session.wants_models || response.model.empty()) return {};
-  if (local_model::is_sound(response.model)) return response.model;
-  ++parts_.counters.models_unsound;
-  return {};
+/// The one place that checks a model: here a stranger's environment enters, and scenes are like it.
+void Answerer::trim(const Session& session, Answer& answer) noexcept {
+  if (!session.sender) answer.server_parts_N = {};
+  if (answer.model.empty()) return;
+  const bool wanted = session.wants_models && session.amplification.proven();
+  if (wanted && local_model::is_sound(answer.model)) return;
+  if (wanted) ++parts_.counters.models_unsound;
+  answer.model = {};
 }
 
 void Answerer::answer(Session& session, const WaitingMotion& waiting) noexcept {
@@ -153,42 +141,34 @@ void Answerer::answer(Session& session, const WaitingMotion& waiting) noexcept {
   const Vector place = session.server_side.place(motion);
   FORCEBOUND_ASSERT(place.rows() == static_cast<Eigen::Index>(session.info.degrees_of_freedom) && place.allFinite(),
                     "an environment is asked about a place, with a row for each degree of freedom");
-  const Response response = ask(session, {.position = place,
-                                          .device_time = motion.device_time,
-                                          .server_time = now,
-                                          .wants_model = session.wants_models,
-                                          .handle = control::sound(motion.handle).handle,
-                                          .energy_given_J = motion.energy_given_J});
-  const control::ServerSideLaw::Said said = session.server_side.answer(response.force);
+  Answer answer = ask(session, {.position = place,
+                                .device_time = motion.device_time,
+                                .server_time = now,
+                                .wants_model = session.wants_models,
+                                .handle = control::sound(motion.handle).handle,
+                                .energy_given_J = motion.energy_given_J});
+  const control::ServerSideLaw::Said said = session.server_side.answer(answer.force);
   const Nanoseconds end = parts_.clock.now();
   session.compute.note(end - begin, end);
+  answer.force = said.force;
+  trim(session, answer);
 
-  const wire::EnvironmentForce force{
-      .session = motion.session,
-      .sequence = session.arrivals.counts.forces_sent + 1,
-      .motion_sequence = motion.sequence,
-      .motion_device_time = motion.device_time,
-      .force = said.force,
-      .torque_N_m = response.torque_N_m,
-      .position = place,
-      .contact_normal = response.contact_normal,
-      .penetration_m = response.penetration_m,
-      .server_receive_time = now,
-      .server_send_time = end,
-      .compute_time = end - begin,
-      .motions_received = session.arrivals.counts.motions_received,
-      .motions_duplicated = session.arrivals.counts.motions_duplicated,
-      .motions_reordered = session.arrivals.counts.motions_reordered,
-      .texture_N = response.texture_N,
-      .texture_wave = response.texture_wave,
-      .texture_across = response.texture_across,
-      .server_law_numbers = said.numbers,
-      .server_parts_N = session.sender ? response.server_parts_N : Vector(),
-      .texture_in_server_parts = response.texture_in_server_parts,
-      .model = session.amplification.proven() ? model_of(session, response) : local_model::LocalModel{},
-      .challenge = session.amplification.challenge(),
-      .follower = response.follower};
-  for (const std::string* name : response.quarantined) parts_.observer.on_quarantined(session.info, *name);
+  const wire::EnvironmentForce force{.session = motion.session,
+                                     .sequence = session.arrivals.counts.forces_sent + 1,
+                                     .motion_sequence = motion.sequence,
+                                     .motion_device_time = motion.device_time,
+                                     .position = place,
+                                     .server_receive_time = now,
+                                     .server_send_time = end,
+                                     .compute_time = end - begin,
+                                     .motions_received = session.arrivals.counts.motions_received,
+                                     .motions_duplicated = session.arrivals.counts.motions_duplicated,
+                                     .motions_reordered = session.arrivals.counts.motions_reordered,
+                                     .server_law_numbers = said.numbers,
+                                     .challenge = session.amplification.challenge(),
+                                     .answer = answer};
+  for (const std::string* name : session.made.environment->quarantined())
+    parts_.observer.on_quarantined(session.info, *name);
   const std::span<const std::byte> encoded = parts_.replies.encode(force);
   if (!session.amplification.proven() && !session.amplification.spend(encoded.size())) {
     ++parts_.counters.motions_unproven;

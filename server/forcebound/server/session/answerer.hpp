@@ -52,10 +52,10 @@ class Answerer {
   void follow(Session& session, const wire::MotionSample& motion, std::size_t bytes, const net::Address& from) noexcept;
   [[nodiscard]] std::uint64_t new_challenge() noexcept;
   void answer(Session& session, const WaitingMotion& waiting) noexcept;
-  /// The environment's response, or zero force if it is not finite or of wrong size.
-  [[nodiscard]] Response ask(Session& session, const Motion& motion) noexcept;
-  /// What of its local model can be sent.
-  [[nodiscard]] local_model::LocalModel model_of(const Session& session, const Response& response) noexcept;
+  /// The environment's answer, or zero force if it is unsound.
+  [[nodiscard]] Answer ask(Session& session, const Motion& motion) noexcept;
+  /// Leaves out what is not to be sent to the session's client.
+  void trim(const Session& session, Answer& answer) noexcept;
   void hand_over(Session& session, const wire::MotionSample& motion, Nanoseconds now) noexcept;
   void show(Session& session, Nanoseconds now) noexcept;
 

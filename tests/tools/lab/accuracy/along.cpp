@@ -69,7 +69,7 @@ Along run_along(const std::shared_ptr<const scene::Scene>& scene, const std::vec
     const std::uint64_t heap_before = time::heap_operations_of_this_thread();
     const auto instructions_before = instructions.count();
     const time::Nanoseconds begin = clock.now();
-    scene::SceneAnswer answer = state.answer(position_m, now);
+    scene::Answer answer = state.answer(position_m, now);
     const double duration_ns = since_ns(begin, clock);
     const auto instructions_after = instructions.count();
     const std::uint64_t heap_after = time::heap_operations_of_this_thread();

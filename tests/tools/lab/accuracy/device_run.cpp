@@ -15,7 +15,7 @@ namespace {
 class Recorder final : public record::TickSink {
  public:
   void on_force(const record::ForceRecord& record) noexcept override {
-    arrived_[record.force.motion_sequence] = record.force.force;
+    arrived_[record.force.motion_sequence] = record.force.answer.force;
   }
 
   void on_tick(const record::TickRecord& record) noexcept override {
@@ -67,7 +67,7 @@ void fill_in_own(DeviceRun& run, const std::shared_ptr<const scene::Scene>& scen
   scene::SceneState state(scene, static_cast<std::uint32_t>(run.true_positions.front().rows()));
   // On held ticks too: what it keeps, such as where friction sticks, depends on all that came before.
   for (std::size_t i = 0; i < run.ticks.size(); ++i) {
-    run.ticks[i].own = state.answer(run.true_positions[i], run.ticks[i].time, {}, nullptr, run.ticks[i].handle).force;
+    run.ticks[i].own = state.answer(run.true_positions[i], run.ticks[i].time, {}, false, run.ticks[i].handle).force;
   }
 }
 

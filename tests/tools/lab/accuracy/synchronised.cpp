@@ -130,7 +130,7 @@ class Company {
 
   std::size_t reference_;
   std::vector<std::unique_ptr<scene::SceneState>> states_;
-  std::vector<scene::SceneAnswer> answers_;
+  std::vector<scene::Answer> answers_;
   Velocities unhindered_{};  ///< velocities without contacts since the last copy
   double changed_J_ = 0;
   Synchronised found_{};

@@ -77,7 +77,7 @@ void LoadGenerator::on_datagram(std::span<const std::byte> datagram, Nanoseconds
   if (message == nullptr) {
     ++tally_.foreign;
   } else if (const auto* force = std::get_if<wire::EnvironmentForce>(message)) {
-    if (on_answer(force->motion_device_time, arrival, now) && !force->model.empty()) ++tally_.modelled;
+    if (on_answer(force->motion_device_time, arrival, now) && !force->answer.model.empty()) ++tally_.modelled;
   } else if (const auto* echoed = std::get_if<wire::MotionSample>(message)) {
     on_answer(echoed->device_time, arrival, now);
   } else if (const auto* welcome = std::get_if<wire::Welcome>(message)) {

@@ -20,7 +20,7 @@ void TrueForceMeter::on_tick(const record::TickRecord& tick) noexcept {
   if (!first_) first_ = tick.time;
   if (here) ready_s_ = std::min(ready_s_, time::to_seconds(tick.time - *first_));
   if (tick.applied.norm() > kFelt_N) felt_tick_ = std::min(felt_tick_, static_cast<double>(tick.tick));
-  const scene::SceneAnswer truth = truth_.answer(place_of(), tick.time, {}, nullptr, tick.handle);
+  const scene::Answer truth = truth_.answer(place_of(), tick.time, {}, false, tick.handle);
   touched_ = touched_ || truth.penetration_m > 0 || truth.force.norm() > kFelt_N;
   if (!touched_) return;
   ++ticks_;

@@ -113,7 +113,7 @@ class Liar {
       const double most_s = draw.one_of({0.0, 0.01, 1.0, 1e9});
       state_->ahead = draw.duration(-most_s, most_s);
     }
-    force.model = state_->model;
+    force.answer.model = state_->model;
     const time::Nanoseconds taken = force.server_send_time - force.server_receive_time;
     force.server_receive_time = std::max(time::Nanoseconds{0}, force.server_receive_time + state_->ahead);
     force.server_send_time = force.server_receive_time + taken;

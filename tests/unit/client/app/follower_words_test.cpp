@@ -40,7 +40,7 @@ TEST(LiveLine, ShowsTheRobotsStateWhereThereIsOne) {
   constexpr std::size_t kWide = 200;
   line.on_force(force);
   EXPECT_THAT(line.text(kWide), Not(HasSubstr("robot")));
-  force.force.follower = holding;
+  force.force.answer.follower = holding;
   line.on_force(force);
   EXPECT_THAT(line.text(kWide), HasSubstr("0 ticks  robot holding  0.000 N"));
 }

@@ -32,8 +32,8 @@ record::ForceRecord force_record(std::uint64_t motion) {
   record::ForceRecord record;
   record.force.motion_sequence = motion;
   record.force.position = vector({0.03, 0.04});
-  record.force.contact_normal = vector({0, 1});
-  record.force.penetration_m = 0.005;
+  record.force.answer.contact_normal = vector({0, 1});
+  record.force.answer.penetration_m = 0.005;
   return record;
 }
 

@@ -38,23 +38,23 @@ class RenderedAnswer : public ::testing::Test {
   /// For a device that was so deep in the pad then; with the force of something else.
   void hear_of_pad(double pressed_m, double else_N = 0) {
     hear(1000 * pressed_m + else_N);
-    answer.model.surfaces[0] = resting_pad(pressed_m);
-    answer.model.surface_count = 1;
+    newest.answer.model.surfaces[0] = resting_pad(pressed_m);
+    newest.answer.model.surface_count = 1;
   }
   void hear(double z_N) {
-    ++answer.motion_sequence;
-    answer.motion_device_time = now;
-    answer.force = vector_of({0, 0, z_N});
-    answer.server_parts_N = answer.force;
-    answer.model = {};
+    ++newest.motion_sequence;
+    newest.motion_device_time = now;
+    newest.answer.force = vector_of({0, 0, z_N});
+    newest.answer.server_parts_N = newest.answer.force;
+    newest.answer.model = {};
   }
 
   /// On each tick the answer of 100 ms before.
   void hear_late(const local_model::Surface& pad) {
     hear(pad.force_N.z());
-    answer.motion_device_time = late();
-    answer.model.surfaces[0] = pad;
-    answer.model.surface_count = 1;
+    newest.motion_device_time = late();
+    newest.answer.model.surfaces[0] = pad;
+    newest.answer.model.surface_count = 1;
   }
   [[nodiscard]] Nanoseconds late() const { return next() - 100ms; }
   [[nodiscard]] Nanoseconds next() const { return now + 1ms; }
@@ -64,13 +64,13 @@ class RenderedAnswer : public ::testing::Test {
     now += 1ms;
     place = vector_of({x_m, 0, z_m});
     rendered =
-        answers.render(answer, {.now = now,
+        answers.render(newest, {.now = now,
                                 .place = place,
                                 .server_parts_alone = server_parts_alone,
                                 .share = share,
-                                .age = {.s = std::min(age_most_s, time::to_seconds(now - answer.motion_device_time))},
+                                .age = {.s = std::min(age_most_s, time::to_seconds(now - newest.motion_device_time))},
                                 .force_N_max = 30});
-    return share * answer.force[2] + rendered.correction_N[2];
+    return share * newest.answer.force[2] + rendered.correction_N[2];
   }
   double settled_at(double z_m, double x_m = 0) {
     for (int i = 0; i < 100; ++i) (void)at(z_m, x_m);
@@ -78,7 +78,7 @@ class RenderedAnswer : public ::testing::Test {
   }
 
   AnswerRendering answers;
-  wire::EnvironmentForce answer;
+  wire::EnvironmentForce newest;
   AnswerRendering::Rendered rendered;
   Vector place;
   Nanoseconds now{0};
@@ -137,8 +137,8 @@ TEST_F(RenderedAnswer, GoesOnWhereItWasWhenAnotherAnswerSaysOtherwiseAndGetsTher
   hear_of_pad(0.002);
   EXPECT_NEAR(settled_at(-0.002), 2, 1e-9);
   hear_of_pad(0.002);
-  answer.model.surfaces[0].place_m.z() = 0.001;
-  answer.model.surfaces[0].force_N.z() = answer.force[2] = answer.server_parts_N[2] = 3;
+  newest.answer.model.surfaces[0].place_m.z() = 0.001;
+  newest.answer.model.surfaces[0].force_N.z() = newest.answer.force[2] = newest.answer.server_parts_N[2] = 3;
   EXPECT_NEAR(at(-0.002), 2, 1e-9);
   for (int i = 1; i <= 15; ++i) EXPECT_NEAR(at(-0.002), 3 - std::exp(-1e-3 * i / AnswerRendering::kFade_s), 1e-9);
   EXPECT_GT(at(-0.002), 2.95);
@@ -146,7 +146,7 @@ TEST_F(RenderedAnswer, GoesOnWhereItWasWhenAnotherAnswerSaysOtherwiseAndGetsTher
 
 TEST_F(RenderedAnswer, FadesFromWhatTheDeviceShowedNotFromWhatWasAskedFor) {
   hear_of_pad(0.04);
-  answer.model.surfaces[0].radius_m = 1;
+  newest.answer.model.surfaces[0].radius_m = 1;
   EXPECT_NEAR(settled_at(-0.05), 50, 1e-9);
   hear(2);
   EXPECT_NEAR(at(-0.05), 30, 1e-9);
@@ -163,7 +163,7 @@ TEST_F(RenderedAnswer, GoesOnWhereItWasWhenAnAnswerHasNoModelAnyMore) {
 
 TEST_F(RenderedAnswer, GoesOnWhereAMovingSurfaceWouldBeByNowWhenAnAnswerHasNoModelAnyMore) {
   hear_of_pad(0.002);
-  answer.model.surfaces[0].velocity_m_per_s.z() = 0.1;
+  newest.answer.model.surfaces[0].velocity_m_per_s.z() = 0.1;
   for (int i = 1; i <= 5; ++i) EXPECT_NEAR(at(-0.002), 2 + 0.1 * i, 1e-9) << "it comes by 0.1 mm on each tick";
   hear(2);
   EXPECT_NEAR(at(-0.002), 2.6, 1e-9);
@@ -173,12 +173,12 @@ TEST_F(RenderedAnswer, GoesOnWhereItWasWhenTheCouplingOfAMassIsAnother) {
   // Too heavy to move in the time that is looked at.
   const auto hear_of_mass = [this](double stiffness_N_per_m) {
     hear(0);
-    answer.model.mass = {.id = 1,
-                         .stiffness_N_per_m = stiffness_N_per_m,
-                         .mobility_per_kg = 1e-4 * Eigen::Matrix3d::Identity(),
-                         .free_per_kg = 1e-4 * Eigen::Matrix3d::Identity(),
-                         .radius_m = 1};
-    answer.model.has_mass = true;
+    newest.answer.model.mass = {.id = 1,
+                                .stiffness_N_per_m = stiffness_N_per_m,
+                                .mobility_per_kg = 1e-4 * Eigen::Matrix3d::Identity(),
+                                .free_per_kg = 1e-4 * Eigen::Matrix3d::Identity(),
+                                .radius_m = 1};
+    newest.answer.model.has_mass = true;
   };
   hear_of_mass(500);
   EXPECT_NEAR(settled_at(-0.01), 5, 0.01);
@@ -191,7 +191,7 @@ TEST_F(RenderedAnswer, GoesOnWhereItWasWhenTheCouplingOfAMassIsAnother) {
 TEST_F(RenderedAnswer, LetsWhatMovesFadeWithTheHeldForceWhenTheServerIsSilent) {
   hear_of_pad(0.002);
   // Slower than what would be felt.
-  answer.model.surfaces[0].velocity_m_per_s.x() = 1e-9;
+  newest.answer.model.surfaces[0].velocity_m_per_s.x() = 1e-9;
   EXPECT_NEAR(settled_at(-0.003), 3, 1e-9);
   EXPECT_TRUE(rendered.fades);
   share = 0.5;
@@ -219,14 +219,14 @@ TEST_F(RenderedAnswer, KeepsASurfaceThatStandsStillWhenTheServerIsSilent) {
 
 TEST_F(RenderedAnswer, KeepsADraggedMassButNotWhatElsePullsAtItWhenTheServerIsSilent) {
   hear(0);
-  answer.model.mass = {.id = 1,
-                       .bias_m_per_s2 = {0, 0, 1},
-                       .stiffness_N_per_m = 500,
-                       .damping_N_s_per_m = 20,
-                       .mobility_per_kg = Eigen::Matrix3d::Identity(),
-                       .free_per_kg = Eigen::Matrix3d::Identity(),
-                       .radius_m = 1};
-  answer.model.has_mass = true;
+  newest.answer.model.mass = {.id = 1,
+                              .bias_m_per_s2 = {0, 0, 1},
+                              .stiffness_N_per_m = 500,
+                              .damping_N_s_per_m = 20,
+                              .mobility_per_kg = Eigen::Matrix3d::Identity(),
+                              .free_per_kg = Eigen::Matrix3d::Identity(),
+                              .radius_m = 1};
+  newest.answer.model.has_mass = true;
   (void)at(0);
   for (int i = 0; i < 10; ++i) (void)settled_at(0);
   EXPECT_NEAR(at(0), 1, 0.01) << "it hangs from the device";
@@ -240,19 +240,19 @@ TEST_F(RenderedAnswer, KeepsADraggedMassButNotWhatElsePullsAtItWhenTheServerIsSi
 TEST_F(RenderedAnswer, TellsThatWhatMovesWouldFadeAlsoWhereTheAnswerHadNoForceOfIt) {
   server_parts_alone = true;
   hear_of_pad(0);
-  answer.server_parts_N.resize(0);
+  newest.answer.server_parts_N.resize(0);
   EXPECT_NEAR(at(-0.002), 2, 1e-9);
   EXPECT_FALSE(rendered.fades) << "it stands still";
   hear_of_pad(0);
-  answer.server_parts_N.resize(0);
-  answer.model.surfaces[0].velocity_m_per_s.x() = 1e-9;
+  newest.answer.server_parts_N.resize(0);
+  newest.answer.model.surfaces[0].velocity_m_per_s.x() = 1e-9;
   EXPECT_NEAR(at(-0.002), 2, 1e-9);
   EXPECT_TRUE(rendered.fades);
 }
 
 TEST_F(RenderedAnswer, LetsWhatOthersCanMoveFadeWhenTheServerIsSilentAlsoAtRest) {
   hear_of_pad(0.002);
-  answer.model.surfaces[0].others_move_it = true;
+  newest.answer.model.surfaces[0].others_move_it = true;
   EXPECT_NEAR(settled_at(-0.003), 3, 1e-9);
   EXPECT_TRUE(rendered.fades);
   share = 0.5;
@@ -264,14 +264,14 @@ TEST_F(RenderedAnswer, LetsWhatOthersCanMoveFadeWhenTheServerIsSilentAlsoAtRest)
 
 TEST_F(RenderedAnswer, LetsAMassThatOthersCanMoveFadeWhenTheServerIsSilent) {
   hear(0);
-  answer.model.mass = {.id = 1,
-                       .stiffness_N_per_m = 500,
-                       // Too heavy to move in the time that is looked at.
-                       .mobility_per_kg = 1e-4 * Eigen::Matrix3d::Identity(),
-                       .free_per_kg = 1e-4 * Eigen::Matrix3d::Identity(),
-                       .radius_m = 1,
-                       .others_move_it = true};
-  answer.model.has_mass = true;
+  newest.answer.model.mass = {.id = 1,
+                              .stiffness_N_per_m = 500,
+                              // Too heavy to move in the time that is looked at.
+                              .mobility_per_kg = 1e-4 * Eigen::Matrix3d::Identity(),
+                              .free_per_kg = 1e-4 * Eigen::Matrix3d::Identity(),
+                              .radius_m = 1,
+                              .others_move_it = true};
+  newest.answer.model.has_mass = true;
   EXPECT_NEAR(settled_at(-0.01), 5, 0.01);
   EXPECT_TRUE(rendered.fades);
   share = 0.5;
@@ -291,7 +291,7 @@ TEST_F(RenderedAnswer, CountsAndLeavesOutWhatIsUnsoundAndHoldsItsForce) {
       [](auto& model) { model.surface_count = 4; }};
   for (const auto& spoil : spoils) {
     hear_of_pad(0.002);
-    spoil(answer.model);
+    spoil(newest.answer.model);
     EXPECT_NEAR(settled_at(-0.003), 2, 1e-6);
     EXPECT_EQ(rendered.model_N.rows(), 0);
     EXPECT_EQ(answers.refused(), ++refused) << "once for each answer";
@@ -300,7 +300,7 @@ TEST_F(RenderedAnswer, CountsAndLeavesOutWhatIsUnsoundAndHoldsItsForce) {
 
 TEST_F(RenderedAnswer, BlamesTheAnswerThatTurnsOutNotToBeFiniteAndNotTheNext) {
   hear_of_pad(0.002);
-  answer.force[2] = kInfinity;
+  newest.answer.force[2] = kInfinity;
   (void)at(-0.003);
   EXPECT_EQ(answers.refused(), 0U);
   hear_of_pad(0.002);
@@ -315,7 +315,7 @@ TEST_F(RenderedAnswer, BlamesTheAnswerThatTurnsOutNotToBeFiniteAndNotTheNext) {
 TEST_F(RenderedAnswer, TakesTheRestAloneWhereTheSceneRunsAtTheClient) {
   server_parts_alone = true;
   hear_of_pad(0.002);
-  answer.force[2] += 5;  // of parts that run at the client
+  newest.answer.force[2] += 5;  // of parts that run at the client
   EXPECT_NEAR(at(-0.003) - 5, 3, 1e-9);
   EXPECT_FALSE(rendered.held);
 }
@@ -328,10 +328,10 @@ TEST_F(RenderedAnswer, FadesFromTheFrictionOfTheAnswerBefore) {
     return rendered.correction_N[0];
   };
   hear_of_pad(0.002);
-  answer.model.surfaces[0].friction = 0.5;
+  newest.answer.model.surfaces[0].friction = 0.5;
   EXPECT_NEAR(slide(40), -1, 1e-6);
   hear_of_pad(0.002);
-  answer.model.surfaces[0].friction = 0.1;
+  newest.answer.model.surfaces[0].friction = 0.1;
   EXPECT_NEAR(slide(1), -1, 0.2) << "no step";
   EXPECT_NEAR(slide(60), -0.2, 1e-3);
 }
@@ -389,7 +389,7 @@ TEST_F(RenderedAnswer, RelaxesFromTheMotionThatWasRenderedAlone) {
   age_most_s = 0.25;
   const auto hear_of_coming = [this] {
     hear_of_pad(0.003);
-    local_model::Surface& pad = answer.model.surfaces[0];
+    local_model::Surface& pad = newest.answer.model.surfaces[0];
     pad.velocity_m_per_s.z() = 0.001;
     pad.relaxing_N_per_m = 1000;
     pad.relaxation_s = 10;
@@ -412,13 +412,13 @@ TEST_F(RenderedAnswer, StaysFiniteAndDoesNotAllocateWhateverComes) {
   (void)at(0);
   for (int i = 0; i < 20000; ++i) {
     if (i % 3 == 0) hear(wild());
-    answer.model = test::sample_local_model();
-    answer.model.surfaces[0].place_m = {wild(), wild(), wild()};
-    answer.model.surfaces[0].radius_m = std::abs(wild());
-    answer.model.mass.place_m.x() = wild();
-    answer.model.mass.velocity_m_per_s.y() = wild();
-    answer.model.mass.free_per_kg *= std::abs(wild());
-    answer.model.field.jacobian_N_per_m(0, 1) = wild();
+    newest.answer.model = test::sample_local_model();
+    newest.answer.model.surfaces[0].place_m = {wild(), wild(), wild()};
+    newest.answer.model.surfaces[0].radius_m = std::abs(wild());
+    newest.answer.model.mass.place_m.x() = wild();
+    newest.answer.model.mass.velocity_m_per_s.y() = wild();
+    newest.answer.model.mass.free_per_kg *= std::abs(wild());
+    newest.answer.model.field.jacobian_N_per_m(0, 1) = wild();
     place.resize(3);
     const test::AllocationGuard tick;
     const double force_N = at(wild(), wild());

@@ -434,11 +434,11 @@ TEST(LocalRendering, StaysPassiveWhenAModelPushesAwayFromItsPlaceEverHarder) {
   Watch watch;
   ClosedLoop loop(settings(handover::scene_of(kFrictionPlane), "delay 10ms", true), {&watch});
   loop.network().set_tamper(answer_with([](wire::EnvironmentForce& force) {
-    force.model.by_device_clock = true;
-    force.model.has_field = true;
-    force.model.field.place_m = scene::Point(force.position);
-    force.model.field.jacobian_N_per_m = 1e6 * Eigen::Matrix3d::Identity();
-    force.model.field.radius_m = 10;
+    force.answer.model.by_device_clock = true;
+    force.answer.model.has_field = true;
+    force.answer.model.field.place_m = scene::Point(force.position);
+    force.answer.model.field.jacobian_N_per_m = 1e6 * Eigen::Matrix3d::Identity();
+    force.answer.model.field.radius_m = 10;
   }));
   loop.run(3s);
   EXPECT_GT(watch.last.model.rows(), 0);
@@ -451,9 +451,9 @@ TEST(LocalRendering, CountsUnsoundModelsAndHoldsTheirForces) {
   Watch watch;
   ClosedLoop loop(settings(handover::scene_of(kFrictionPlane), "delay 10ms", true), {&watch});
   loop.network().set_tamper(answer_with([](wire::EnvironmentForce& force) {
-    force.model.surfaces[0].stiffness_N_per_m = -1000 * Eigen::Matrix3d::Identity();
-    force.model.surfaces[0].radius_m = 1;
-    force.model.surface_count = 1;
+    force.answer.model.surfaces[0].stiffness_N_per_m = -1000 * Eigen::Matrix3d::Identity();
+    force.answer.model.surfaces[0].radius_m = 1;
+    force.answer.model.surface_count = 1;
   }));
   loop.run(1s);
   EXPECT_EQ(watch.last.model.rows(), 0);

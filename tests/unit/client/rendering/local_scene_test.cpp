@@ -27,7 +27,7 @@ wire::SceneOffer offer_of(const handover::PackedScene& scene) {
 std::optional<wire::EnvironmentForce> in_the_air(const Vector& position) {
   wire::EnvironmentForce force;
   force.session = 1;
-  force.force = Vector::Zero(position.rows());
+  force.answer.force = Vector::Zero(position.rows());
   force.position = position;
   return force;
 }
@@ -53,7 +53,7 @@ class ALocalScene : public ::testing::Test {
     }
     local.builder().work();
   }
-  [[nodiscard]] std::optional<LocalAnswer> at(double z_m) {
+  [[nodiscard]] std::optional<Answer> at(double z_m) {
     position[2] = z_m;
     return local.answer(position, time += 1ms, said);
   }
@@ -120,7 +120,7 @@ TEST_F(ALocalScene, PushesFromTheSideOnWhichTheServerSawTheDeviceThoughItIsWithi
   deliver(0, pieces);
   const auto answer = at(0.029);
   ASSERT_TRUE(answer);
-  EXPECT_NEAR(answer->force_N.z(), 1.0, 0.02);
+  EXPECT_NEAR(answer->force.z(), 1.0, 0.02);
   EXPECT_NEAR(answer->contact_normal.z(), 1.0, 0.01);
 }
 
@@ -130,7 +130,7 @@ TEST_F(ALocalScene, AnswersNothingWhereATickWouldVisitTooMuchOfAMesh) {
   offer();
   deliver(0, pieces);
   EXPECT_TRUE(local.answer(position, time += 1ms, from_the_middle));
-  EXPECT_EQ(local.searches_exhausted(), 0U);
+  EXPECT_EQ(local.scene().searches_exhausted(), 0U);
 
   LocalRendering hurried{{.degrees_of_freedom = 3, .limits = handover::Limits::of_period(3e-5)}};
   hurried.begin(1, offer_of(*scene));
@@ -141,20 +141,20 @@ TEST_F(ALocalScene, AnswersNothingWhereATickWouldVisitTooMuchOfAMesh) {
   }
   ASSERT_EQ(hurried.phase(), BuildPhase::whole);
   EXPECT_FALSE(hurried.answer(position, time += 1ms, from_the_middle));
-  EXPECT_EQ(hurried.searches_exhausted(), 1U);
+  EXPECT_EQ(hurried.scene().searches_exhausted(), 1U);
   EXPECT_TRUE(hurried.answer(position, time += 1ms, said)) << "from above it, a few of them are near";
-  EXPECT_EQ(hurried.searches_exhausted(), 1U);
+  EXPECT_EQ(hurried.scene().searches_exhausted(), 1U);
 }
 
 TEST_F(ALocalScene, GoesOnFromTheSurfaceThatTheServerSaysIsTouched) {
   offer();
   deliver(0, pieces);
   said->position = scene::Point(1e-4, 0, 0.0285);
-  said->contact_normal = scene::Point(0, 0, 1);
-  said->penetration_m = 0.0016;
+  said->answer.contact_normal = scene::Point(0, 0, 1);
+  said->answer.penetration_m = 0.0016;
   const auto answer = at(0.0285);
   ASSERT_TRUE(answer);
-  EXPECT_NEAR(answer->force_N.z(), 1.5, 0.05);
+  EXPECT_NEAR(answer->force.z(), 1.5, 0.05);
 }
 
 TEST_F(ALocalScene, AcknowledgesWhatCameAndWantsNoMoreOnceAllIsThere) {
@@ -242,13 +242,13 @@ stiffness_N_per_m = 10000
   offer();
   deliver(0, pieces);
   ASSERT_TRUE(at(0.032));
-  EXPECT_EQ(local.parts_quarantined(), 0U);
+  EXPECT_EQ(local.scene().quarantined(), 0U);
   const auto without = at(-1e305);
   ASSERT_TRUE(without);
-  EXPECT_TRUE(without->force_N.isZero(0));
-  EXPECT_EQ(local.parts_quarantined(), 1U);
+  EXPECT_TRUE(without->force.isZero(0));
+  EXPECT_EQ(local.scene().quarantined(), 1U);
   (void)at(-0.001);
-  EXPECT_EQ(local.parts_quarantined(), 1U);
+  EXPECT_EQ(local.scene().quarantined(), 1U);
 }
 
 TEST_F(ALocalScene, AnswersSwapsAndForgetsWithoutAllocating) {

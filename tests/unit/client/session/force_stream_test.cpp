@@ -25,7 +25,7 @@ class ForceStreamTest : public ::testing::Test {
     force.sequence = sequence;
     force.motion_sequence = motion;
     force.motion_device_time = static_cast<int>(motion) * 1ms;
-    force.force = control::Vector::Constant(1, -static_cast<double>(motion));
+    force.answer.force = control::Vector::Constant(1, -static_cast<double>(motion));
     force.position = control::Vector::Zero(1);
     force.motions_received = motion;
     return force;
@@ -91,7 +91,7 @@ TEST_F(ForceStreamTest, DropsForcesThatAnswerNoMotionSent) {
   wrong_time.motion_device_time += 1ns;
   EXPECT_EQ(accept(wrong_time), Verdict::implausible);
   auto wrong_rows = answer(1, 3);
-  wrong_rows.force = control::Vector::Zero(3);
+  wrong_rows.answer.force = control::Vector::Zero(3);
   EXPECT_EQ(accept(wrong_rows), Verdict::implausible);
   EXPECT_FALSE(stream.newest());
   EXPECT_EQ(counts().implausible, 4U);
@@ -100,12 +100,12 @@ TEST_F(ForceStreamTest, DropsForcesThatAnswerNoMotionSent) {
 TEST_F(ForceStreamTest, AcceptsAPenetrationUpToThePositionsDistance) {
   auto far_behind_a_wall = answer(1, 3);
   far_behind_a_wall.position[0] = 30e3;
-  far_behind_a_wall.contact_normal = control::Vector::Constant(1, -1.0);
-  far_behind_a_wall.penetration_m = 30e3;
+  far_behind_a_wall.answer.contact_normal = control::Vector::Constant(1, -1.0);
+  far_behind_a_wall.answer.penetration_m = 30e3;
   EXPECT_EQ(accept(far_behind_a_wall), Verdict::newest);
   auto deeper_than_it_can_be = answer(2, 4);
-  deeper_than_it_can_be.contact_normal = control::Vector::Constant(1, -1.0);
-  deeper_than_it_can_be.penetration_m = 30e3;
+  deeper_than_it_can_be.answer.contact_normal = control::Vector::Constant(1, -1.0);
+  deeper_than_it_can_be.answer.penetration_m = 30e3;
   EXPECT_EQ(accept(deeper_than_it_can_be), Verdict::implausible);
 }
 

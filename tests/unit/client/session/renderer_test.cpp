@@ -34,7 +34,7 @@ class RendererTest : public ::testing::Test {
     force.session = kSession;
     force.motion_sequence = ++motions;
     force.motion_device_time = now;
-    force.force = force_N;
+    force.answer.force = force_N;
     force.position = reading.position;
     newest = force;
   }

@@ -95,10 +95,10 @@ class SessionTest : public ::testing::Test {
     force.sequence = ++force_sequence;
     force.motion_sequence = motion.sequence;
     force.motion_device_time = motion.device_time;
-    force.force = Vector::Constant(1, force_N);
+    force.answer.force = Vector::Constant(1, force_N);
     force.position = motion.position;
-    force.contact_normal = Vector::Constant(1, -1.0);
-    force.penetration_m = 1e-3;
+    force.answer.contact_normal = Vector::Constant(1, -1.0);
+    force.answer.penetration_m = 1e-3;
     force.motions_received = std::max(motion.sequence, force_sequence);  // no answer without a motion
     return force;
   }

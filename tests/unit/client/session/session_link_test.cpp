@@ -68,7 +68,7 @@ class SessionLinkTest : public ::testing::Test {
     force.sequence = ++forces;
     force.motion_sequence = motion.sequence;
     force.motion_device_time = motion.device_time;
-    force.force = Vector::Zero(1);
+    force.answer.force = Vector::Zero(1);
     force.position = motion.position;
     force.motions_received = std::max(motion.sequence, forces);
     return force;
@@ -229,7 +229,7 @@ TEST_F(SessionLinkTest, ReportsOnceWhatTheRobotAtTheFarEndDoes) {
   const auto answer_with = [this](control::FollowerState state) {
     tick();
     wire::EnvironmentForce force = answer(sent<wire::MotionSample>().back());
-    force.follower = state;
+    force.answer.follower = state;
     arrive(force);
   };
   answer_with(control::FollowerState::waiting);

@@ -37,14 +37,14 @@ class SessionModels : private HasLocalRendering, public SessionTest {
   wire::EnvironmentForce pressed() {
     const auto motion = sent<wire::MotionSample>().back();
     wire::EnvironmentForce force = answer(motion, -2);
-    force.model.by_device_clock = true;
-    force.model.surfaces[0] = {.id = 1,
-                               .force_N = {-2, 0, 0},
-                               .place_m = {motion.position[0] - 0.002, 0, 0},
-                               .normal = {-1, 0, 0},
-                               .stiffness_N_per_m = Eigen::Vector3d(1000, 0, 0).asDiagonal(),
-                               .radius_m = 0.05};
-    force.model.surface_count = 1;
+    force.answer.model.by_device_clock = true;
+    force.answer.model.surfaces[0] = {.id = 1,
+                                      .force_N = {-2, 0, 0},
+                                      .place_m = {motion.position[0] - 0.002, 0, 0},
+                                      .normal = {-1, 0, 0},
+                                      .stiffness_N_per_m = Eigen::Vector3d(1000, 0, 0).asDiagonal(),
+                                      .radius_m = 0.05};
+    force.answer.model.surface_count = 1;
     return force;
   }
 
@@ -78,12 +78,12 @@ TEST_F(SessionModels, OfAnEnvironmentThatKnowsItsDerivativeAreExtrapolated) {
   begin();
   const auto motion = sent<wire::MotionSample>().back();
   wire::EnvironmentForce force = answer(motion, -2);
-  force.model.by_device_clock = true;
-  force.model.has_field = true;
-  force.model.field.force_N = {-2, 0, 0};
-  force.model.field.place_m = {motion.position[0], 0, 0};
-  force.model.field.jacobian_N_per_m(0, 0) = -300;
-  force.model.field.radius_m = 0.02;
+  force.answer.model.by_device_clock = true;
+  force.answer.model.has_field = true;
+  force.answer.model.field.force_N = {-2, 0, 0};
+  force.answer.model.field.place_m = {motion.position[0], 0, 0};
+  force.answer.model.field.jacobian_N_per_m(0, 0) = -300;
+  force.answer.model.field.radius_m = 0.02;
   arrive(force);
   tick();
   device.position[0] += 0.002;
@@ -104,8 +104,8 @@ TEST_F(SessionModels, OfWhatMovesByTheServersClockGoOnFromTheArrivalOfTheMotionT
   (void)sent<wire::MotionSample>();
   tick();
   auto late = pressed();
-  late.model.by_device_clock = false;
-  late.model.surfaces[0].velocity_m_per_s = {-0.1, 0, 0};
+  late.answer.model.by_device_clock = false;
+  late.answer.model.surfaces[0].velocity_m_per_s = {-0.1, 0, 0};
   late.server_receive_time = late.server_send_time = clock.time + 15ms;
   for (int i = 0; i < 40; ++i) tick();
   arrive(late);
@@ -119,8 +119,8 @@ TEST_F(SessionModels, OfWhatMovesByTheServersClockGoOnFromTheArrivalOfTheMotionT
 TEST_F(SessionModels, OfAPathThatIsPlayedLaterGoOnFromTheReadingPlayed) {
   begin();
   auto played = pressed();
-  played.model.before_reading = 20ms;
-  played.model.surfaces[0].velocity_m_per_s = {-0.1, 0, 0};
+  played.answer.model.before_reading = 20ms;
+  played.answer.model.surfaces[0].velocity_m_per_s = {-0.1, 0, 0};
   arrive(played);
   for (int i = 0; i < 50; ++i) tick();
   EXPECT_NEAR(device.applied[0], -2 - 1000 * 0.1 * 0.070, 0.06);
@@ -129,8 +129,8 @@ TEST_F(SessionModels, OfAPathThatIsPlayedLaterGoOnFromTheReadingPlayed) {
 TEST_F(SessionModels, OfAPathThatIsPlayedLaterAreAsOldAsThatAlsoBeyondTheHoldTime) {
   begin();
   auto played = pressed();
-  played.model.before_reading = 200ms;
-  played.model.surfaces[0].velocity_m_per_s = {-0.05, 0, 0};
+  played.answer.model.before_reading = 200ms;
+  played.answer.model.surfaces[0].velocity_m_per_s = {-0.05, 0, 0};
   arrive(played);
   for (int i = 0; i < 150; ++i) tick();
   EXPECT_NEAR(device.applied[0], -2 - 1000 * 0.05 * 0.350, 0.06);
@@ -139,7 +139,7 @@ TEST_F(SessionModels, OfAPathThatIsPlayedLaterAreAsOldAsThatAlsoBeyondTheHoldTim
 TEST_F(SessionModels, AreCountedAndTheirForceIsHeldIfTheyAreUnsound) {
   begin();
   auto force = pressed();
-  force.model.surfaces[0].stiffness_N_per_m(0, 0) = std::numeric_limits<double>::quiet_NaN();
+  force.answer.model.surfaces[0].stiffness_N_per_m(0, 0) = std::numeric_limits<double>::quiet_NaN();
   arrive(force);
   tick();
   device.position[0] = 0.011;
@@ -154,7 +154,7 @@ TEST_F(SessionModels, FadeAsAHeldForceDoesWhenTheServerIsSilentIfTheyMove) {
   begin();
   auto force = pressed();
   // Along the surface, slower than what would be felt.
-  force.model.surfaces[0].velocity_m_per_s[1] = 1e-9;
+  force.answer.model.surfaces[0].velocity_m_per_s[1] = 1e-9;
   arrive(force);
   for (int i = 0; i < 250; ++i) tick();
   EXPECT_NEAR(device.applied[0], -2, 1e-6);
@@ -176,7 +176,7 @@ TEST_F(SessionModels, StayWhenTheServerIsSilentIfTheyStandStill) {
 TEST_F(SessionModels, OfWhatStandsStayWhenTheServerIsSilentAlsoBesideAForceThatFades) {
   begin();
   auto near_its_rim = pressed();
-  near_its_rim.model.surfaces[0].radius_m = 0.003;
+  near_its_rim.answer.model.surfaces[0].radius_m = 0.003;
   arrive(near_its_rim);
   tick();
   EXPECT_NEAR(device.applied[0], -2, 1e-6);
@@ -198,7 +198,7 @@ TEST_F(SessionModels, OfWhatStandsFadeWhenTheServerEndsTheSession) {
 TEST_F(SessionModels, AreAsLateAsBeforeWhereAReadingIsUnusable) {
   begin();
   auto moving = pressed();
-  moving.model.surfaces[0].velocity_m_per_s = {1e-9, 0, 0};
+  moving.answer.model.surfaces[0].velocity_m_per_s = {1e-9, 0, 0};
   arrive(moving);
   for (int i = 0; i < 300; ++i) tick();
   ASSERT_EQ(records.last.policy, record::ForcePolicy::fading);
@@ -242,9 +242,9 @@ TEST_F(SessionModels, AndASceneComeRunAndEndWithoutAllocating) {
   build();
   tick();
   wire::EnvironmentForce in_the_air = pressed();
-  in_the_air.contact_normal.resize(0);
-  in_the_air.penetration_m = 0;
-  in_the_air.server_parts_N = in_the_air.force;
+  in_the_air.answer.contact_normal.resize(0);
+  in_the_air.answer.penetration_m = 0;
+  in_the_air.answer.server_parts_N = in_the_air.answer.force;
   const auto prepare = [this](const wire::Message& message) {
     const auto bytes = codec.encode(message);
     return std::vector<std::byte>(bytes.begin(), bytes.end());

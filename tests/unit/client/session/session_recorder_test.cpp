@@ -35,16 +35,15 @@ class SessionRecorderTest : public ::testing::Test {
   void touch() {
     newest.emplace();
     newest->position = Vector::Constant(1, 0.25);
-    newest->contact_normal = Vector::Constant(1, -1.0);
-    newest->penetration_m = 1e-3;
+    newest->answer.contact_normal = Vector::Constant(1, -1.0);
+    newest->answer.penetration_m = 1e-3;
   }
 
   /// The scene at the client, this deep in a surface with normal -x.
   void touch_here(std::uint64_t scene, double penetration_m) {
-    rendered.request.local = LocalAnswer{.force_N = Vector::Zero(1),
-                                         .contact_normal = Vector::Constant(1, -1.0),
-                                         .penetration_m = penetration_m,
-                                         .scene = scene};
+    rendered.request.local =
+        Answer{.force = Vector::Zero(1), .contact_normal = Vector::Constant(1, -1.0), .penetration_m = penetration_m};
+    rendered.request.local_scene = scene;
   }
 
   Nanoseconds now{0};

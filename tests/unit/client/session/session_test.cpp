@@ -84,8 +84,8 @@ TEST_F(SessionTest, RendersTheTextureOfAnOldAnswerWhereTheDeviceIsNow) {
   device.position = Vector::Constant(1, 0.001);
   tick();
   auto force = answer(sent<wire::MotionSample>().back(), -2);
-  force.texture_N = 0.5;
-  force.texture_wave = Vector::Constant(1, 1000);
+  force.answer.texture_N = 0.5;
+  force.answer.texture_wave = Vector::Constant(1, 1000);
   arrive(force);
   for (const double x : {0.001, 0.0015, 0.002}) {
     device.position = Vector::Constant(1, x);
@@ -173,14 +173,14 @@ TEST_F(SessionTest, WellFormedButFalseForcesNeverReachTheDevice) {
         force.motion_device_time += Nanoseconds{1 + static_cast<std::int64_t>(random() % 1000)};
         break;
       case 3:
-        force.force = Vector::Constant(2 + static_cast<int>(random() % 5), -1.0);
+        force.answer.force = Vector::Constant(2 + static_cast<int>(random() % 5), -1.0);
         break;
       case 4:
         force.server_receive_time = Nanoseconds{5};
         force.server_send_time = Nanoseconds{4};
         break;
       case 5:
-        force.contact_normal = Vector::Constant(1, 1e200);
+        force.answer.contact_normal = Vector::Constant(1, 1e200);
         break;
       default:
         force.compute_time = std::max(time(), Nanoseconds{1});

@@ -59,8 +59,8 @@ class SessionOfSixAxes : public ::testing::Test {
     force.sequence = ++force_sequence;
     force.motion_sequence = motion.sequence;
     force.motion_device_time = motion.device_time;
-    force.force = force_N;
-    force.torque_N_m = torque_N_m;
+    force.answer.force = force_N;
+    force.answer.torque_N_m = torque_N_m;
     force.position = motion.position;
     force.motions_received = std::max(motion.sequence, force_sequence);
     return force;

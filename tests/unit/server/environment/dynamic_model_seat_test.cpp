@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "forcebound/control/translation.hpp"
 #include "forcebound/scene/scene_state.hpp"
 #include "forcebound/server/environment/scene_parser.hpp"
 #include "tests/support/allocation_guard.hpp"
@@ -18,6 +19,7 @@ namespace {
 
 using server::parse_scene;
 
+using control::translation_of;
 using std::chrono::milliseconds;
 
 std::shared_ptr<const Scene> table_with_ball(bool shared) {
@@ -33,7 +35,7 @@ Vector at(double x) { return Vector{Eigen::Vector3d(x, 0, 0)}; }
 
 /// Strokes from -40 mm towards the ball for so many milliseconds at 0.1 m/s.
 double last_force_N(SceneState& state, int motions) {
-  SceneAnswer answer;
+  Answer answer;
   for (int i = 0; i < motions; ++i) answer = state.answer(at(-0.04 + 1e-4 * i), milliseconds(i), milliseconds(i));
   return answer.force[0];
 }
@@ -50,8 +52,8 @@ TEST(SceneWithBodies, AnswersAreTheSameBitForBitForTheSameMotions) {
   SceneState first(scene, 3);
   SceneState second(scene, 3);
   for (int i = 0; i < 500; ++i) {
-    const SceneAnswer a = first.answer(at(-0.04 + 1e-4 * i), milliseconds(i));
-    const SceneAnswer b = second.answer(at(-0.04 + 1e-4 * i), milliseconds(i), milliseconds(7 * i));
+    const Answer a = first.answer(at(-0.04 + 1e-4 * i), milliseconds(i));
+    const Answer b = second.answer(at(-0.04 + 1e-4 * i), milliseconds(i), milliseconds(7 * i));
     ASSERT_EQ(a.force, b.force) << "the server's time must not matter";
   }
 }
@@ -60,8 +62,8 @@ TEST(SceneWithBodies, LostMotionsLoseNoSimulatedTime) {
   const auto scene = table_with_ball(false);
   SceneState all(scene, 3);
   SceneState some(scene, 3);
-  SceneAnswer a;
-  SceneAnswer b;
+  Answer a;
+  Answer b;
   for (int i = 0; i <= 300; ++i) {
     a = all.answer(at(-0.04 + 1e-4 * i), milliseconds(i));
     if (i % 5 == 0) b = some.answer(at(-0.04 + 1e-4 * i), milliseconds(i));
@@ -89,12 +91,11 @@ TEST(SharedScene, OneClientFeelsWhatTheOtherPushes) {
 
 /// A ball without weight, pressed from the left at some time and pulled back: where it is dragged to, in the end.
 double pulled_N(SceneState& state, bool pressed, bool told_models) {
-  SceneAnswer answer;
-  local_model::LocalModel model;
+  Answer answer;
   for (int i = 0; i < 3000; ++i) {
     const double x_m = -0.04 + 1e-4 * std::min(i, 185) - 5e-5 * std::clamp(i - 1000, 0, 600);
     const Handle handle{.buttons = pressed && i > 800 ? 1U : 0U};
-    answer = state.answer(at(x_m), milliseconds(i), milliseconds(i), told_models ? &model : nullptr, handle);
+    answer = state.answer(at(x_m), milliseconds(i), milliseconds(i), told_models, handle);
     if (i == 1500) return answer.force[0];
   }
   return answer.force[0];
@@ -129,8 +130,8 @@ TEST(SharedScene, TimeGoesOnceHoweverManyClientsThereAre) {
   SceneState two_right(scene, 3, two_left.dynamic_models());
   for (int i = 0; i < 190; ++i) {
     const double x = -0.04 + 1e-4 * i;
-    const SceneAnswer a = one.answer(at(x), milliseconds(i), milliseconds(i));
-    const SceneAnswer b = two_left.answer(at(x), milliseconds(i), milliseconds(i));
+    const Answer a = one.answer(at(x), milliseconds(i), milliseconds(i));
+    const Answer b = two_left.answer(at(x), milliseconds(i), milliseconds(i));
     (void)two_right.answer(at(0.3), milliseconds(i), milliseconds(i));
     ASSERT_NEAR(a.force[0], b.force[0], 1e-6);
   }
@@ -145,13 +146,13 @@ struct Told {
   double read_ms = 0;  ///< of the state told of, by the device's clock
 };
 std::optional<Told> ask(SceneState& state, int i, milliseconds arrived) {
-  local_model::LocalModel model;
-  const SceneAnswer answer = state.answer(at(free_x_m(i)), milliseconds(i), arrived, &model);
+  const Answer answer = state.answer(at(free_x_m(i)), milliseconds(i), arrived, true);
+  const local_model::LocalModel& model = answer.model;
   if (!model.has_mass) return std::nullopt;
   EXPECT_TRUE(model.by_device_clock);
   EXPECT_EQ(model.mass.others_move_it, state.scene().facts().shared);
   EXPECT_TRUE(local_model::is_sound(model));
-  EXPECT_NEAR(answer.server_parts_N[0], model.mass.force_N.x(), 1e-12);
+  EXPECT_NEAR(translation_of(answer.server_parts_N).x(), model.mass.force_N.x(), 1e-12);
   return Told{.place_m = model.mass.place_m.x(),
               .read_ms = i - 1e-6 * static_cast<double>(model.before_reading.count())};
 }
@@ -194,8 +195,8 @@ TEST(SharedScene, TakesMotionsAsTheyComeFromAClientThatRendersRemotely) {
   SceneState shared(scene, 3, begin_dynamic_models(*scene, 2));
   SceneState own(table_with_ball(false), 3);
   for (int i = 0; i < 1000; ++i) {
-    const SceneAnswer a = shared.answer(at(free_x_m(i)), milliseconds(i), milliseconds(i + 40));
-    const SceneAnswer b = own.answer(at(free_x_m(i)), milliseconds(i));
+    const Answer a = shared.answer(at(free_x_m(i)), milliseconds(i), milliseconds(i + 40));
+    const Answer b = own.answer(at(free_x_m(i)), milliseconds(i));
     ASSERT_NEAR(a.force[0], b.force[0], 1e-6);
   }
 }
@@ -205,15 +206,14 @@ TEST(SharedScene, PlaysTheTimesOfAnUntrustedClientWithoutHarmToTheOthers) {
   SceneState honest(scene, 3, begin_dynamic_models(*scene, 2));
   SceneState untrusted(scene, 3, honest.dynamic_models());
   constexpr auto kMost = std::numeric_limits<std::int64_t>::max();
-  local_model::LocalModel model;
   for (int i = 0; i < 2000; ++i) {
     const double wild = (i % 2 == 0 ? 1 : -1) * std::numeric_limits<double>::max();
     const Nanoseconds read{i % 3 == 0 ? kMost : i % 3 == 1 ? -kMost : 0};
-    (void)untrusted.answer(at(i % 5 == 0 ? wild : 0.0), read, milliseconds(i), &model);
-    const SceneAnswer answer = honest.answer(at(-0.06), milliseconds(i), milliseconds(i), &model);
+    (void)untrusted.answer(at(i % 5 == 0 ? wild : 0.0), read, milliseconds(i), true);
+    const Answer answer = honest.answer(at(-0.06), milliseconds(i), milliseconds(i), true);
     ASSERT_TRUE(answer.force.allFinite());
-    ASSERT_TRUE(answer.quarantined.empty());
-    ASSERT_TRUE(local_model::is_sound(model));
+    ASSERT_TRUE(honest.quarantined().empty());
+    ASSERT_TRUE(local_model::is_sound(answer.model));
   }
 }
 
@@ -267,12 +267,11 @@ TEST(SharedScene, PlaysPathsWithoutAllocating) {
   const auto scene = table_with_ball(true);
   SceneState state(scene, 3, begin_dynamic_models(*scene, 2));
   for (int i = 0; i < 1000; ++i) (void)ask(state, i, milliseconds(i));
-  local_model::LocalModel model;
   const Vector place = at(free_x_m(1000));
   const test::AllocationGuard guard;
-  for (int i = 1000; i < 1500; ++i) (void)state.answer(place, milliseconds(i), milliseconds(i), &model);
+  for (int i = 1000; i < 1500; ++i) (void)state.answer(place, milliseconds(i), milliseconds(i), true);
   // After an outage more is due than a motion may take.
-  (void)state.answer(place, milliseconds(60'000), milliseconds(60'000), &model);
+  (void)state.answer(place, milliseconds(60'000), milliseconds(60'000), true);
   EXPECT_EQ(guard.heap_operations(), 0U);
 }
 
@@ -291,18 +290,18 @@ TEST(SharedScene, InvalidMotionsOfAnUntrustedClientDoNotAffectTheOthers) {
   for (int i = 0; i < 500; ++i) {
     const double wild = (i % 2 == 0 ? 1 : -1) * std::numeric_limits<double>::max();
     (void)untrusted.answer(at(wild), milliseconds(i % 3), milliseconds(i));
-    const SceneAnswer answer = honest.answer(at(-0.03), milliseconds(i), milliseconds(i));
+    const Answer answer = honest.answer(at(-0.03), milliseconds(i), milliseconds(i));
     ASSERT_TRUE(answer.force.allFinite());
-    ASSERT_TRUE(answer.quarantined.empty());
+    ASSERT_TRUE(honest.quarantined().empty());
   }
 }
 
 TEST(SceneState, QuarantinesADynamicModelByNameAndTheOthersGoOn) {
   SceneState state(test::frail_scene({.name = "s", .description = ""}, {"frail"}), 3);
   for (int i = 0; i < 6; ++i) {
-    const SceneAnswer answer = state.answer(at(0), milliseconds(i));
+    const Answer answer = state.answer(at(0), milliseconds(i));
     EXPECT_EQ(answer.force[2], i < 3 ? 1 : 0) << i;
-    EXPECT_EQ(answer.quarantined.empty() ? "" : *answer.quarantined.front(), i == 3 ? "frail" : "") << i;
+    EXPECT_EQ(state.quarantined().empty() ? "" : *state.quarantined().front(), i == 3 ? "frail" : "") << i;
   }
   EXPECT_EQ(state.faults().quarantined, 1U);
 }
@@ -311,7 +310,8 @@ TEST(SceneState, NamesAllThatAreQuarantinedOnOneMotion) {
   SceneState state(test::frail_scene({.name = "s", .description = ""}, {"first", "second"}), 3);
   std::vector<std::string> names;
   for (int i = 0; i < 6; ++i) {
-    for (const std::string* name : state.answer(at(0), milliseconds(i)).quarantined) names.push_back(*name);
+    (void)state.answer(at(0), milliseconds(i));
+    for (const std::string* name : state.quarantined()) names.push_back(*name);
   }
   EXPECT_EQ(names, (std::vector<std::string>{"first", "second"}));
   EXPECT_EQ(state.faults().quarantined, 2U);

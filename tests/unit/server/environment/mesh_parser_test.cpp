@@ -53,7 +53,7 @@ TEST_F(MeshParser, TakesAMeshBesideTheScenesFileInItsScaleAndPlace) {
   scene::SceneState state(made, 3);
   // Through the bottom, which looks down at z = 0.01.
   (void)state.answer(vector_of({0.02, 0.02, 0.009}), milliseconds{1});
-  const scene::SceneAnswer answer = state.answer(vector_of({0.02, 0.02, 0.012}), milliseconds{2});
+  const scene::Answer answer = state.answer(vector_of({0.02, 0.02, 0.012}), milliseconds{2});
   EXPECT_NEAR(answer.force[2], -2, 1e-6);
   EXPECT_NEAR(answer.penetration_m, 0.002, 1e-9);
   EXPECT_THAT(explain(*made), HasSubstr("object 'it': mesh, file corner.obj, scale 0.1"));
@@ -67,7 +67,7 @@ TEST_F(MeshParser, TurnsAMeshAfterItsScaleAndBeforeItsOffset) {
       scene("kind = 'mesh', file = 'corner.obj', scale = 0.1, rotation_deg = [0, 90, 0], offset_m = [0.01, 0, 0]");
   scene::SceneState state(made, 3);
   (void)state.answer(vector_of({0.009, 0.02, -0.02}), milliseconds{1});
-  const scene::SceneAnswer answer = state.answer(vector_of({0.012, 0.02, -0.02}), milliseconds{2});
+  const scene::Answer answer = state.answer(vector_of({0.012, 0.02, -0.02}), milliseconds{2});
   EXPECT_NEAR(answer.force[0], -2, 1e-6);
   EXPECT_NEAR(answer.penetration_m, 0.002, 1e-9);
   EXPECT_THAT(explain(*made), HasSubstr("scale 0.1, rotation_deg [0, 90, 0], offset_m [0.01, 0, 0]"));

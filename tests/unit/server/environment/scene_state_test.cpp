@@ -4,6 +4,7 @@
 #include <rapidcheck.h>
 
 #include <limits>
+#include <numbers>
 
 #include "forcebound/server/environment/scene_library.hpp"
 #include "tests/support/vector_of.hpp"
@@ -38,7 +39,7 @@ TEST(SceneState, WallPushesBackAlongMinusXForEveryDevice) {
     SceneState state(load_scene("wall"), dof);
     Vector position = Vector::Constant(dof, 0.5);
     position[0] = 0.001;
-    const SceneAnswer answer = state.answer(position, milliseconds{1});
+    const Answer answer = state.answer(position, milliseconds{1});
     Vector expected = Vector::Zero(dof);
     expected[0] = -50;
     EXPECT_EQ(answer.force, expected) << dof;
@@ -52,7 +53,7 @@ TEST(SceneState, HoldsADeviceWhileItsButtonIsPressed) {
   SceneState state(load_scene("grasp"), 3);
   const auto force_x = [&](double x_m, std::uint32_t buttons) {
     static Nanoseconds now{0};
-    return state.answer(vector_of({x_m, 0, 0}), now += milliseconds{100}, {}, nullptr, {.buttons = buttons}).force[0];
+    return state.answer(vector_of({x_m, 0, 0}), now += milliseconds{100}, {}, false, {.buttons = buttons}).force[0];
   };
   EXPECT_EQ(force_x(0.01, 0), 0);
   EXPECT_EQ(force_x(0.01, 1), 0);
@@ -62,7 +63,7 @@ TEST(SceneState, HoldsADeviceWhileItsButtonIsPressed) {
 
 TEST(SceneState, NoContactIsNoForceAndNoNormal) {
   SceneState state(load_scene("wall"), 1);
-  const SceneAnswer answer = state.answer(vector_of({-0.001}), milliseconds{1});
+  const Answer answer = state.answer(vector_of({-0.001}), milliseconds{1});
   EXPECT_EQ(answer.force, vector_of({0}));
   EXPECT_EQ(answer.contact_normal.rows(), 0);
   EXPECT_EQ(answer.penetration_m, 0);
@@ -70,13 +71,13 @@ TEST(SceneState, NoContactIsNoForceAndNoNormal) {
 
 TEST(SceneState, CirclePushesInwards) {
   SceneState state(load_scene("circle"), 2);
-  const SceneAnswer answer = state.answer(vector_of({0.0246, 0.0328}), milliseconds{1});
+  const Answer answer = state.answer(vector_of({0.0246, 0.0328}), milliseconds{1});
   EXPECT_LT((answer.force - vector_of({-6, -8})).norm(), 1e-9);
 }
 
 TEST(SceneState, SphereOfASixDofDeviceHasNoTorque) {
   SceneState state(load_scene("sphere"), 6);
-  const SceneAnswer answer = state.answer(vector_of({0, 0.019, 0, 1, 2, 3}), milliseconds{1});
+  const Answer answer = state.answer(vector_of({0, 0.019, 0, 1, 2, 3}), milliseconds{1});
   EXPECT_LT((answer.force - vector_of({0, 10, 0, 0, 0, 0})).norm(), 1e-9);
   EXPECT_EQ(answer.contact_normal, vector_of({0, 1, 0, 0, 0, 0}));
 }
@@ -84,6 +85,30 @@ TEST(SceneState, SphereOfASixDofDeviceHasNoTorque) {
 TEST(SceneState, SceneFreeHasZeroForce) {
   SceneState state(load_scene("free"), 3);
   EXPECT_EQ(state.answer(vector_of({0, 0, 0}), milliseconds{1}).force, vector_of({0, 0, 0}));
+}
+
+TEST(SceneState, TellsTheRipplesOfTheSurfaceTouchedInTheDevicesRows) {
+  const auto scene = parse_scene(R"(
+[scene]
+name = "rippled"
+description = ""
+degrees_of_freedom = 3
+[[object]]
+name = "table"
+shape = { kind = "half_space", through_m = [0, 0, 0], normal = [1, 0, 0] }
+effects = ["surface", "texture"]
+surface = { stiffness_N_per_m = 1000 }
+texture = { amplitude_N = 0.5, wavelength_m = 0.002, direction = [0, 1, 0], pattern = "grid" }
+)",
+                                 "rippled.toml");
+  const double wave_rad_per_m = 2 * std::numbers::pi / 0.002;
+  const Answer on_it = SceneState(scene, 6).answer(vector_of({-0.001, 0, 0, 1, 2, 3}), milliseconds{1});
+  EXPECT_EQ(on_it.texture_N, 0.5);
+  EXPECT_EQ(on_it.texture_wave, vector_of({0, wave_rad_per_m, 0, 0, 0, 0}));
+  EXPECT_EQ(on_it.texture_across, vector_of({0, 0, wave_rad_per_m, 0, 0, 0}));
+  const Answer above = SceneState(scene, 3).answer(vector_of({0.001, 0, 0}), milliseconds{1});
+  EXPECT_EQ(above.texture_N, 0);
+  EXPECT_EQ(above.texture_wave.rows(), 0);
 }
 
 TEST(SceneState, AnObjectThatIsNotFiniteIsLeftOutAndNamedAndTheOthersGoOn) {
@@ -105,12 +130,12 @@ surface = { stiffness_N_per_m = 1000 }
 )",
                                  "two.toml");
   SceneState state(scene, 1);
-  const SceneAnswer answer = state.answer(vector_of({1e200}), milliseconds{1});
-  ASSERT_EQ(answer.quarantined.size(), 1U);
-  EXPECT_EQ(*answer.quarantined.front(), "far");
+  const Answer answer = state.answer(vector_of({1e200}), milliseconds{1});
+  ASSERT_EQ(state.quarantined().size(), 1U);
+  EXPECT_EQ(*state.quarantined().front(), "far");
   EXPECT_EQ(answer.force, vector_of({-1e203}));
-  const SceneAnswer next = state.answer(vector_of({1.001}), milliseconds{2});
-  EXPECT_TRUE(next.quarantined.empty());
+  const Answer next = state.answer(vector_of({1.001}), milliseconds{2});
+  EXPECT_TRUE(state.quarantined().empty());
   EXPECT_NEAR(next.force[0], -1, 1e-9);
   EXPECT_EQ(state.faults().quarantined, 1U);
   SceneState other(scene, 1);
@@ -120,7 +145,7 @@ surface = { stiffness_N_per_m = 1000 }
 TEST(SceneState, KeepsTheLastNormalThroughASpheresCentreAndCountsIt) {
   SceneState state(load_scene("sphere"), 3);
   (void)state.answer(vector_of({0, 0, 0.001}), milliseconds{1});
-  const SceneAnswer answer = state.answer(vector_of({0, 0, 0}), milliseconds{2});
+  const Answer answer = state.answer(vector_of({0, 0, 0}), milliseconds{2});
   EXPECT_EQ(answer.contact_normal, vector_of({0, 0, 1}));
   EXPECT_LT((answer.force - vector_of({0, 0, 200})).norm(), 1e-9);
   EXPECT_EQ(state.faults().old_normals, 1u);
@@ -128,7 +153,7 @@ TEST(SceneState, KeepsTheLastNormalThroughASpheresCentreAndCountsIt) {
 
 TEST(SceneState, EstimatesVelocityFromDeviceTimes) {
   SceneState state(damped_plane(), 3);
-  const SceneAnswer first = state.answer(vector_of({0, 0, -0.001}), milliseconds{10});
+  const Answer first = state.answer(vector_of({0, 0, -0.001}), milliseconds{10});
   EXPECT_NEAR(first.force[2], 1, 1e-12) << "the first motion has no velocity";
   // 1 mm deeper in 2 ms: 0.5 m/s, 5 N.
   EXPECT_NEAR(state.answer(vector_of({0, 0, -0.002}), milliseconds{12}).force[2], 7, 1e-9);
@@ -166,7 +191,7 @@ surface = { stiffness_N_per_m = 3000 }
 )",
                                   "corner.toml");
   SceneState state(corner, 2);
-  const SceneAnswer answer = state.answer(vector_of({-0.001, -0.002}), milliseconds{1});
+  const Answer answer = state.answer(vector_of({-0.001, -0.002}), milliseconds{1});
   EXPECT_LT((answer.force - vector_of({3, 2})).norm(), 1e-12);
   EXPECT_EQ(answer.contact_normal, vector_of({0, 1}));
   EXPECT_EQ(answer.penetration_m, 0.002);
@@ -174,7 +199,7 @@ surface = { stiffness_N_per_m = 3000 }
 
 TEST(SceneState, ForceThatIsNotFiniteIsZeroAndCounted) {
   SceneState state(load_scene("wall"), 1);
-  const SceneAnswer answer = state.answer(vector_of({std::numeric_limits<double>::max()}), milliseconds{1});
+  const Answer answer = state.answer(vector_of({std::numeric_limits<double>::max()}), milliseconds{1});
   EXPECT_EQ(answer.force, vector_of({0}));
   EXPECT_EQ(answer.contact_normal.rows(), 0);
   EXPECT_EQ(state.faults().quarantined, 1u);
@@ -189,7 +214,7 @@ TEST(SceneState, AnswersAnyFiniteMotionWithFiniteForce) {
     for (const double x : corners) {
       for (const double y : corners) {
         for (const double z : corners) {
-          const SceneAnswer answer = state.answer(vector_of({x, y, z}), Nanoseconds{++time});
+          const Answer answer = state.answer(vector_of({x, y, z}), Nanoseconds{++time});
           ASSERT_TRUE(answer.force.allFinite() && answer.contact_normal.allFinite());
           ASSERT_TRUE(std::isfinite(answer.penetration_m));
         }

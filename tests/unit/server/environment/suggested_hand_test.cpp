@@ -71,7 +71,7 @@ TEST(PlaceToBegin, IsOutsideInEverySceneThatShips) {
     const control::Vector place_m = place_to_begin(*scene);
     ASSERT_GT(place_m.rows(), 0);
     scene::SceneState state(scene, static_cast<std::uint32_t>(place_m.rows()));
-    const scene::SceneAnswer answer = state.answer(place_m, {}, {}, nullptr, {});
+    const scene::Answer answer = state.answer(place_m, {}, {}, false, {});
     EXPECT_TRUE(answer.force.isZero(0) || answer.penetration_m <= 0) << "within an object that pushes";
   }
 }

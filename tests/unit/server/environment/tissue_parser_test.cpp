@@ -33,7 +33,7 @@ auto refused(const std::string& what) {
 
 /// Pressed from above the middle down to a depth, a motion a millisecond; the force at the end.
 scene::Point press(scene::SceneState& state, double depth_m) {
-  scene::SceneAnswer answer;
+  scene::Answer answer;
   for (int i = 0; i <= 100; ++i) {
     const scene::Point place_m(0.001, 0.002, 0.002 - (depth_m + 0.002) * i / 100);
     answer = state.answer(control::Vector(place_m), milliseconds(i));
@@ -177,7 +177,7 @@ TEST(TissueParser, TheLiverLoadsAndPushesBack) {
       folder.file("liver.toml"));
   const scene::Point top_m = scene->dynamic_models().front().dynamic_model->facts().on_surface_m;
   scene::SceneState state(scene, 3);
-  scene::SceneAnswer answer;
+  scene::Answer answer;
   for (int i = 0; i <= 100; ++i) {
     const scene::Point place_m = top_m + scene::Point(0, 0, 0.002 - 4e-5 * i);
     answer = state.answer(control::Vector(place_m), milliseconds(i));

@@ -19,7 +19,7 @@ using testing::HasSubstr;
 
 class Pull final : public Environment {
  public:
-  Response respond(const Motion& motion) noexcept override { return {.force = -100 * motion.position}; }
+  Answer respond(const Motion& motion) noexcept override { return {.force = -100 * motion.position}; }
 };
 
 EnvironmentLibrary pulling() {
@@ -61,7 +61,7 @@ TEST(EncryptedUdpServer, AnswersSealedDatagramsAndKnowsWhoseTheyAre) {
   const auto session = welcome.session;
   const auto force = asker.ask<wire::EnvironmentForce>(
       wire::MotionSample{.session = session, .sequence = 1, .position = vector_of({0.02})});
-  EXPECT_EQ(force.force, vector_of({-2}));
+  EXPECT_EQ(force.answer.force, vector_of({-2}));
   thread.request_stop();
   EXPECT_EQ(asker.hear<wire::Bye>().session, session);
   thread.join();

@@ -21,7 +21,7 @@ using testing::HasSubstr;
 
 class WorkersPush final : public Environment {
  public:
-  Response respond(const Motion& motion) noexcept override { return {.force = -100 * motion.position}; }
+  Answer respond(const Motion& motion) noexcept override { return {.force = -100 * motion.position}; }
 };
 
 /// "push" is each client's own, the others have two places together.
@@ -101,7 +101,7 @@ TEST_F(ServerWorkersTest, SendEachSessionsMotionsToTheWorkerThatHasIt) {
     const auto session = askers.back()->ask<wire::Welcome>(hello_of(i)).session;
     owners.insert(WorkerPlace::owner_of(session, kWorkers));
     for (std::uint64_t n = 1; n <= 5; ++n) {
-      EXPECT_EQ(askers.back()->ask<wire::EnvironmentForce>(motion_of(session, n)).force, vector_of({-2}));
+      EXPECT_EQ(askers.back()->ask<wire::EnvironmentForce>(motion_of(session, n)).answer.force, vector_of({-2}));
     }
   }
   EXPECT_EQ(owners.size(), kWorkers) << "of 24 clients each worker has some";

@@ -16,7 +16,7 @@ using test::vector_of;
 
 class Push final : public Environment {
  public:
-  Response respond(const Motion& motion) noexcept override { return {.force = -100 * motion.position}; }
+  Answer respond(const Motion& motion) noexcept override { return {.force = -100 * motion.position}; }
 };
 
 EnvironmentLibrary pushing() {
@@ -39,7 +39,7 @@ TEST(UdpServer, AnswersByUdpUntilStoppedAndThenEndsItsSessions) {
   const auto session = welcome.session;
   const auto force = asker.ask<wire::EnvironmentForce>(
       wire::MotionSample{.session = session, .sequence = 1, .position = vector_of({0.02})});
-  EXPECT_EQ(force.force, vector_of({-2}));
+  EXPECT_EQ(force.answer.force, vector_of({-2}));
   thread.request_stop();
   const auto bye = asker.hear<wire::Bye>();
   EXPECT_EQ(bye.session, session);

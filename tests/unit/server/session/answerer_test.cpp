@@ -26,7 +26,7 @@ TEST_F(AnswererTest, AnswersTheNewestOfTheMotionsThatCameWhileItWasBusy) {
   const auto first = only_sent<wire::EnvironmentForce>();
   EXPECT_EQ(first.motion_sequence, 5U);
   EXPECT_EQ(first.motions_received, 5U);
-  EXPECT_EQ(first.force, vector_of({1}));
+  EXPECT_EQ(first.answer.force, vector_of({1}));
   EXPECT_TRUE(answerer.answer_next());
   EXPECT_EQ(only_sent<wire::EnvironmentForce>().session, 2U);
   EXPECT_EQ(counters.motions_superseded, 4U);

@@ -21,7 +21,7 @@ class LargeEnvironment final : public Environment {
   LargeEnvironment(const LargeEnvironment&) = delete;
   LargeEnvironment& operator=(const LargeEnvironment&) = delete;
 
-  Response respond(const Motion& /*motion*/) noexcept override { return {.force = vector_of({0})}; }
+  Answer respond(const Motion& /*motion*/) noexcept override { return {.force = vector_of({0})}; }
 
  private:
   std::size_t& in_use_;

@@ -14,7 +14,7 @@ namespace forcebound::server {
 /// One newton, wherever it is asked.
 class OneNewton final : public Environment {
  public:
-  Response respond(const Motion& /*motion*/) noexcept override { return {.force = vector_of({1})}; }
+  Answer respond(const Motion& /*motion*/) noexcept override { return {.force = vector_of({1})}; }
 };
 
 /// A table of sessions without a server, which the test fills. What is sent is recorded.

@@ -178,7 +178,7 @@ TEST_F(ServerAbuse, MotionAtTheLargestNumbersGetsFiniteForces) {
   for (const double x : {1e300, -1e300, 1.7e308, 5e-324}) {
     static std::uint64_t sequence = 0;
     arrive(motion(session, ++sequence, x));
-    EXPECT_TRUE(only_answer<wire::EnvironmentForce>().force.allFinite());
+    EXPECT_TRUE(only_answer<wire::EnvironmentForce>().answer.force.allFinite());
   }
   EXPECT_EQ(server->counters().objects_quarantined, 1u);
 }

@@ -44,8 +44,8 @@ TEST_F(ServerWithServerLaws, EvaluatesTheSceneAtTheServerSideLawsPositionAndSend
   arrive(saying(motion(session, 5, 0.002), 77));
   const auto force = only_answer<wire::EnvironmentForce>();
   EXPECT_NEAR(force.position[0], 0.002 + CountingLaw::kShift_m, 1e-15);
-  EXPECT_NEAR(force.force[0], 2 * -50'000 * 0.003, 1e-9);
-  EXPECT_NEAR(force.penetration_m, 0.003, 1e-15);
+  EXPECT_NEAR(force.answer.force[0], 2 * -50'000 * 0.003, 1e-9);
+  EXPECT_NEAR(force.answer.penetration_m, 0.003, 1e-15);
   ASSERT_EQ(force.server_law_numbers.rows(), 2);
   EXPECT_EQ(force.server_law_numbers[0], 1);
   EXPECT_EQ(force.server_law_numbers[1], 77);
@@ -89,7 +89,7 @@ TEST_F(ServerWithServerLaws, SendsNoNumbersToAClientWithoutAServerSideLaw) {
   const auto force = only_answer<wire::EnvironmentForce>();
   EXPECT_EQ(force.server_law_numbers.rows(), 0);
   EXPECT_EQ(force.position, vector_of({0.002}));
-  EXPECT_EQ(force.force, vector_of({-100}));
+  EXPECT_EQ(force.answer.force, vector_of({-100}));
 }
 
 TEST_F(ServerWithServerLaws, RefusesAServerSideLawThatItDoesNotHaveAndListsThoseItHas) {
@@ -108,7 +108,7 @@ TEST_F(ServerWithServerLaws, RefusesAServerSideLawThatItDoesNotHaveAndListsThose
 
 class TouchesNothing final : public Environment {
  public:
-  Response respond(const Motion&) noexcept override { return {.force = vector_of({0, 0, 0})}; }
+  Answer respond(const Motion&) noexcept override { return {.force = vector_of({0, 0, 0})}; }
 };
 
 TEST_F(ServerWithServerLaws, RefusesOneForAToolInTheHandUnlessTheDeviceShowsTorque) {
@@ -165,7 +165,7 @@ TEST_F(ServerWithServerLaws, AServerSideLawThatIsNotFiniteDoesNotReachTheScene) 
   arrive(hello_with("broken"));
   const auto session = only_answer<wire::Welcome>().session;
   arrive(motion(session, 1, 0.002));
-  EXPECT_EQ(only_answer<wire::EnvironmentForce>().force, vector_of({-100}));
+  EXPECT_EQ(only_answer<wire::EnvironmentForce>().answer.force, vector_of({-100}));
 }
 
 }  // namespace

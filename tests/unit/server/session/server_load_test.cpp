@@ -13,7 +13,7 @@ class SlowEnvironment final : public Environment {
  public:
   SlowEnvironment(test::FakeClock& clock, Nanoseconds cost) : clock_(clock), cost_(cost) {}
 
-  Response respond(const Motion& /*motion*/) noexcept override {
+  Answer respond(const Motion& /*motion*/) noexcept override {
     clock_.time += cost_;
     return {.force = vector_of({1})};
   }

@@ -45,7 +45,7 @@ class SharedSceneTest : public ServerFixture {
                               .device_time = milliseconds{sequence},
                               .position = vector_of({x_m, 0, 0})},
            address(who));
-    return only_answer<wire::EnvironmentForce>().force[0];
+    return only_answer<wire::EnvironmentForce>().answer.force[0];
   }
 
   /// The left hand pushes the ball against the right one, which rests; the force on the right one at the end.
@@ -119,7 +119,7 @@ TEST_F(SharedSceneTest, TellsAClientThatRendersLocallyWhichReadingItsModelBelong
         wire::MotionSample{
             .session = session, .sequence = i, .device_time = milliseconds{i}, .position = vector_of({-0.04, 0, 0})},
         address(1));
-    told = only_answer<wire::EnvironmentForce>().model;
+    told = only_answer<wire::EnvironmentForce>().answer.model;
   }
   EXPECT_TRUE(told.has_mass);
   EXPECT_TRUE(told.mass.others_move_it);
@@ -170,7 +170,7 @@ TEST_F(SharedSceneTest, AClientThatJoinsAfterAQuarantineGetsANewDynamicModel) {
     clock.time += milliseconds{1};
     arrive(wire::MotionSample{.session = session, .sequence = sequence, .position = vector_of({0, 0, 0})},
            address(who));
-    return only_answer<wire::EnvironmentForce>().force[2];
+    return only_answer<wire::EnvironmentForce>().answer.force[2];
   };
   EXPECT_EQ(force_z_N(first, 1, 1), 1);
   for (std::uint64_t i = 2; i < 6; ++i) (void)force_z_N(first, i, 1);

@@ -93,9 +93,9 @@ TEST_F(ServerTest, PicksTheLevelOfAnAutoSceneByTheClientsRoundTrip) {
   EXPECT_THAT(far.simulated, HasSubstr("stiffness_N_per_m = 100 for a round trip of 50 ms"));
 
   arrive(motion(near.session, 1, 0.01));
-  EXPECT_NEAR(only_answer<wire::EnvironmentForce>().force[0], -2, 1e-12);
+  EXPECT_NEAR(only_answer<wire::EnvironmentForce>().answer.force[0], -2, 1e-12);
   arrive(motion(far.session, 1, 0.01));
-  EXPECT_NEAR(only_answer<wire::EnvironmentForce>().force[0], -1, 1e-12);
+  EXPECT_NEAR(only_answer<wire::EnvironmentForce>().answer.force[0], -1, 1e-12);
 }
 
 TEST_F(ServerTest, EndsASessionWhenAskedToAndTellsItsClient) {
@@ -152,10 +152,10 @@ TEST_F(ServerTest, AnswersMotionWithForceAndTimes) {
   EXPECT_EQ(force.sequence, 1u);
   EXPECT_EQ(force.motion_sequence, 41u);
   EXPECT_EQ(force.motion_device_time, milliseconds{41});
-  EXPECT_EQ(force.force, vector_of({-100}));
+  EXPECT_EQ(force.answer.force, vector_of({-100}));
   EXPECT_EQ(force.position, vector_of({0.002}));
-  EXPECT_EQ(force.contact_normal, vector_of({-1}));
-  EXPECT_EQ(force.penetration_m, 0.002);
+  EXPECT_EQ(force.answer.contact_normal, vector_of({-1}));
+  EXPECT_EQ(force.answer.penetration_m, 0.002);
   EXPECT_EQ(force.server_receive_time, milliseconds{20});
   EXPECT_EQ(force.server_send_time, milliseconds{20});
   EXPECT_EQ(force.motions_received, 1u);
@@ -329,9 +329,9 @@ TEST_F(ServerTest, EachClientHasItsOwnSceneState) {
   arrive({wire::Hello{.client_nonce = 2, .degrees_of_freedom = 3, .period_s = 1e-3, .scene = "sphere"}}, address(2));
   const auto two = only_answer<wire::Welcome>().session;
   arrive(motion(one, 1), address(1));
-  EXPECT_EQ(only_answer<wire::EnvironmentForce>().force, vector_of({-50}));
+  EXPECT_EQ(only_answer<wire::EnvironmentForce>().answer.force, vector_of({-50}));
   arrive(wire::MotionSample{.session = two, .sequence = 1, .position = vector_of({0, 0, 0.019})}, address(2));
-  EXPECT_NEAR(only_answer<wire::EnvironmentForce>().force[2], 10, 1e-9);
+  EXPECT_NEAR(only_answer<wire::EnvironmentForce>().answer.force[2], 10, 1e-9);
 }
 
 TEST_F(ServerTest, AnswersAtMostFourTimesThePromisedRate) {

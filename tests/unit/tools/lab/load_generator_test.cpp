@@ -195,7 +195,7 @@ TEST_F(LoadGeneratorTest, CountsAnswersWithLocalModels) {
   EXPECT_EQ(said<wire::MotionSample>(load_generator.motion(0, 11ms)).position[2], -0.003);
   wire::EnvironmentForce force{.motion_device_time = 11ms};
   arrive(load_generator, force);
-  force.model.has_field = true;
+  force.answer.model.has_field = true;
   arrive(load_generator, force);
   force.motion_device_time = 9ms;
   arrive(load_generator, force);

@@ -17,7 +17,7 @@ using namespace std::chrono_literals;
 /// Pushes with half a newton along each axis.
 class Scene final : public server::Environment {
  public:
-  server::Response respond(const server::Motion& motion) noexcept override {
+  server::Answer respond(const server::Motion& motion) noexcept override {
     return {.force = Vector::Constant(motion.position.rows(), 0.5), .penetration_m = 1e-3};
   }
   server::EnvironmentFaults faults() const noexcept override { return {.old_normals = 3}; }
@@ -59,9 +59,9 @@ TEST(Environment, TakesOverTheForceAloneOfWhatTheSceneAnswers) {
   EXPECT_EQ(made.simulated, "half a newton");
   EXPECT_EQ(made.hash, 77U);
   const Vector at = Vector::Zero(2);
-  const server::Response response = made.environment->respond({.position = at});
-  EXPECT_NEAR(response.force.norm(), 5, 1e-12);
-  EXPECT_EQ(response.penetration_m, 1e-3);
+  const server::Answer answer = made.environment->respond({.position = at});
+  EXPECT_NEAR(answer.force.norm(), 5, 1e-12);
+  EXPECT_EQ(answer.penetration_m, 1e-3);
   EXPECT_EQ(made.environment->faults().old_normals, 3U);
 }
 

@@ -52,7 +52,7 @@ void BothEnds::take(const record::TickRecord& tick) {
 void BothEnds::take(const record::ForceRecord& force) {
   const wire::EnvironmentForce& told = force.force;
   received_.emplace(Key{told.session, told.sequence},
-                    Received{force.receive_time, force.round_trip, told.motion_sequence, told.force});
+                    Received{force.receive_time, force.round_trip, told.motion_sequence, told.answer.force});
 }
 
 void BothEnds::take(const record::MotionRecord& motion) {
@@ -62,7 +62,7 @@ void BothEnds::take(const record::MotionRecord& motion) {
 void BothEnds::take(const record::SentForceRecord& force) {
   const wire::EnvironmentForce& told = force.force;
   sent_.emplace(Key{told.session, told.sequence}, Sent{told.server_receive_time, told.server_send_time,
-                                                       told.compute_time, told.motion_sequence, told.force});
+                                                       told.compute_time, told.motion_sequence, told.answer.force});
 }
 
 /// With the number of forces that the client has of each.

@@ -261,7 +261,7 @@ TEST_F(DoctorSessionTest, DoesNotAllocateInATickWithAnAnswer) {
                                  .server_receive_time = clock.time,
                                  .server_send_time = clock.time,
                                  .motions_received = i};
-    force.force = control::Vector::Zero(3);
+    force.answer.force = control::Vector::Zero(3);
     force.position = control::Vector::Zero(3);
     // It comes before the tick asks: the tick sends the motion, then takes the answer in.
     link.arrive_again(far.encode(force), kFar);

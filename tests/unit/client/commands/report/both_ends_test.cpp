@@ -48,13 +48,13 @@ void play(const Trip& trip, BothEnds& both) {
   sent.force.server_receive_time = motion.receive_time;
   sent.force.server_send_time = motion.receive_time + kServer;
   sent.force.compute_time = 200us;
-  sent.force.force = control::Vector::Constant(3, trip.force_N);
+  sent.force.answer.force = control::Vector::Constant(3, trip.force_N);
   both.take(sent);
   if (!trip.came_back) return;
   record::ForceRecord received{
       .receive_time = read + kUp + kServer + kDown, .round_trip = kUp + kServer + kDown, .force = {}};
   received.force = sent.force;
-  received.force.force.setConstant(trip.force_at_client_N);
+  received.force.answer.force.setConstant(trip.force_at_client_N);
   both.take(received);
 }
 
