@@ -29,13 +29,13 @@ what != "ended" && file == 1 {
   if ($2 == "plug") plugged_at = $1
   if ($2 == "mark") { marked_at = $1; held = force }
 }
-what == "run" && $2 == "command" { take_command($1, force_as_text($6, $7, $8)) }
-what == "unplugged" && $2 == "command" && plugged_at && force > 0 { take_return($1, force) }
+what == "run" && $2 == "command" { add_command($1, force_as_text($6, $7, $8)) }
+what == "unplugged" && $2 == "command" && plugged_at && force > 0 { add_return($1, force) }
 what == "ended" && marked_at && !ended_by && force == 0 { ended_after = $1 - marked_at; ended_by = $2 }
 what == "ended" && marked_at && !ended_by { last_at = $1 }
 
 # The newest tick that commanded this by then; one that is 20 ms old cannot be it.
-function take_command(time, text,    i) {
+function add_command(time, text,    i) {
   while (newest_tick < ticks && at[newest_tick + 1] <= time) newest_tick++
   for (i = newest_tick; i > 0 && time - at[i] < 0.02; i--) {
     if (wanted[i] != text) continue
@@ -46,7 +46,7 @@ function take_command(time, text,    i) {
 }
 
 # In 0.1 s a ramp of 0.5 s lets a fifth of the largest force pass, in 0.3 s three.
-function take_return(time, newtons) {
+function add_return(time, newtons) {
   if (!back_at) back_at = time
   if (time < back_at + 0.1 && newtons > early) early = newtons
   if (time < back_at + 0.3 && newtons > later) later = newtons

@@ -67,7 +67,7 @@ typedef struct found {
   int count;
 } found;
 
-static void note_found(found* found, const char* path, const char* name, const char* why) {
+static void add_found(found* found, const char* path, const char* name, const char* why) {
   const size_t length = strlen(found->text);
   snprintf(found->text + length, sizeof found->text - length, "%s%s%s%.30s%s: %s", found->count > 0 ? ", " : "", path,
            name != NULL ? " (" : "", name != NULL ? name : "", name != NULL ? ")" : "", why);
@@ -79,7 +79,7 @@ static int open_path(forcebound_device* device, const char* path, found* found) 
   const char* why = "not an input device";
   device->descriptor = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
   if (device->descriptor < 0) {
-    note_found(found, path, NULL, strerror(errno));
+    add_found(found, path, NULL, strerror(errno));
     return 0;
   }
   if (libevdev_new_from_fd(device->descriptor, &device->events) < 0) {
@@ -88,7 +88,7 @@ static int open_path(forcebound_device* device, const char* path, found* found) 
     why = why_not(device->events);
     if (why == NULL) return 1;
   }
-  note_found(found, path, device->events != NULL ? libevdev_get_name(device->events) : NULL, why);
+  add_found(found, path, device->events != NULL ? libevdev_get_name(device->events) : NULL, why);
   close_events(device);
   return 0;
 }
@@ -101,7 +101,7 @@ static int open_first(forcebound_device* device, found* found) {
   const int count = scandir(kFolder, &entries, is_event_file, versionsort);
   int opened = 0;
   int i;
-  if (count < 0) note_found(found, kFolder, NULL, strerror(errno));
+  if (count < 0) add_found(found, kFolder, NULL, strerror(errno));
   for (i = 0; i < count; ++i) {
     char path[kPathBytes];
     snprintf(path, sizeof path, "%s/%.64s", kFolder, entries[i]->d_name);
@@ -120,7 +120,7 @@ static int open_any(forcebound_device* device, found* found) {
 }
 
 /* Takes a setting that is a number from 0 to `most`, and not zero unless it may be. */
-static int take_number(const forcebound_setting* setting, const char* key, double most, int may_be_zero,
+static int read_number(const forcebound_setting* setting, const char* key, double most, int may_be_zero,
                        double* number) {
   double value = 0;
   if (strcmp(setting->key, key) != 0 || !setting_number(setting->value, &value)) return 0;
@@ -129,7 +129,7 @@ static int take_number(const forcebound_setting* setting, const char* key, doubl
   return 1;
 }
 
-static int take(forcebound_device* device, const forcebound_setting* setting) {
+static int apply_setting(forcebound_device* device, const forcebound_setting* setting) {
   evdev_scale* const scale = &device->state.scale;
   if (strcmp(setting->key, "path") == 0 && strlen(setting->value) - 1 < sizeof device->path - 1) {
     snprintf(device->path, sizeof device->path, "%s", setting->value);
@@ -139,12 +139,12 @@ static int take(forcebound_device* device, const forcebound_setting* setting) {
     scale->upright = setting->value[1] == 'z';
     return 1;
   }
-  return take_number(setting, "count_m", 0.1, 0, &scale->count_m) ||
-         take_number(setting, "wheel_m", 0.1, 0, &scale->wheel_m) ||
-         take_number(setting, "width_m", 10, 0, &scale->width_m) ||
-         take_number(setting, "follow_s", 1, 1, &scale->follow_s) ||
-         take_number(setting, "damping_N_s_per_m", 1000, 0, &device->damping_N_s_per_m) ||
-         take_number(setting, "force_N_max", 100, 0, &device->force_N_max);
+  return read_number(setting, "count_m", 0.1, 0, &scale->count_m) ||
+         read_number(setting, "wheel_m", 0.1, 0, &scale->wheel_m) ||
+         read_number(setting, "width_m", 10, 0, &scale->width_m) ||
+         read_number(setting, "follow_s", 1, 1, &scale->follow_s) ||
+         read_number(setting, "damping_N_s_per_m", 1000, 0, &device->damping_N_s_per_m) ||
+         read_number(setting, "force_N_max", 100, 0, &device->force_N_max);
 }
 
 static int ev_open(const forcebound_setting* settings, size_t count, forcebound_device** opened, char* error,
@@ -158,7 +158,7 @@ static int ev_open(const forcebound_setting* settings, size_t count, forcebound_
   device->force_N_max = 10;
   device->state.scale = (evdev_scale){.count_m = 1e-4, .wheel_m = 5e-3, .width_m = 0.2, .follow_s = 0.01};
   for (i = 0; i < count; ++i) {
-    if (take(device, &settings[i])) continue;
+    if (apply_setting(device, &settings[i])) continue;
     snprintf(error, error_bytes,
              "'%.40s=%.60s' is not accepted; accepted are path=FILE, plane=xy or xz, and as numbers count_m, wheel_m, "
              "width_m, follow_s, damping_N_s_per_m and force_N_max",

@@ -37,10 +37,10 @@ typedef struct evdev_state {
   int absolute;
   int deflects; /* relative events say how far the cap of a 3D mouse is deflected */
   int fresh[EVDEV_AXES];        /* told since the point last followed */
-  int64_t told_ns[EVDEV_AXES];  /* when */
+  int64_t reported_ns[EVDEV_AXES];  /* when */
   unsigned int z_code; /* of an absolute device, the axis that moves it along z: ABS_RY of a gamepad, else ABS_Z */
   evdev_range ranges[EVDEV_AXES]; /* of an absolute device, of its axes */
-  double told_m[EVDEV_AXES];      /* where events put the point */
+  double reported_m[EVDEV_AXES];      /* where events put the point */
   double point_m[EVDEV_AXES];
   uint32_t buttons;
   int64_t moved_ns;
@@ -100,14 +100,14 @@ static inline void evdev_note(evdev_state* state, unsigned int type, unsigned in
     const double span = (double)range.maximum - range.minimum;
     if (span > 0) {
       const double share = ((double)value - range.minimum) / span;
-      state->told_m[axis] = evdev_within(sign * (share - 0.5) * state->scale.width_m, half_m);
+      state->reported_m[axis] = evdev_within(sign * (share - 0.5) * state->scale.width_m, half_m);
     }
   } else if (state->deflects) {
-    state->told_m[axis] = evdev_within(sign * value * half_m / EVDEV_DEFLECTION, half_m);
+    state->reported_m[axis] = evdev_within(sign * value * half_m / EVDEV_DEFLECTION, half_m);
     state->fresh[axis] = 1;
   } else {
     const double count_m = code == REL_WHEEL ? state->scale.wheel_m : state->scale.count_m;
-    state->told_m[axis] = evdev_within(state->told_m[axis] + sign * value * count_m, half_m);
+    state->reported_m[axis] = evdev_within(state->reported_m[axis] + sign * value * count_m, half_m);
   }
 }
 
@@ -120,10 +120,10 @@ static inline void evdev_follow(evdev_state* state, int64_t now_ns) {
   const double share = state->scale.follow_s > 0 ? 1 - exp(-elapsed_s / state->scale.follow_s) : 1;
   int axis;
   for (axis = 0; axis < EVDEV_AXES; ++axis) {
-    if (state->fresh[axis]) state->told_ns[axis] = now_ns;
+    if (state->fresh[axis]) state->reported_ns[axis] = now_ns;
     state->fresh[axis] = 0;
-    if (state->deflects && now_ns - state->told_ns[axis] > kDeflected_ns) state->told_m[axis] = 0;
-    state->point_m[axis] += share * (state->told_m[axis] - state->point_m[axis]);
+    if (state->deflects && now_ns - state->reported_ns[axis] > kDeflected_ns) state->reported_m[axis] = 0;
+    state->point_m[axis] += share * (state->reported_m[axis] - state->point_m[axis]);
   }
   state->moved_ns = now_ns;
 }

@@ -131,7 +131,7 @@ static void give_up(forcebound_device* device) {
 }
 
 /* 0: a setting is not accepted. */
-static int take_settings(forcebound_device* device, const forcebound_setting* settings, size_t count, int* own, char* error,
+static int read_settings(forcebound_device* device, const forcebound_setting* settings, size_t count, int* own, char* error,
                          size_t error_bytes) {
   size_t i;
   for (i = 0; i < count; ++i) {
@@ -164,7 +164,7 @@ static int hd_open(const forcebound_setting* settings, size_t count, forcebound_
   forcebound_device* const device = own_process_memory(sizeof *device);
   if (device == NULL) return FORCEBOUND_FAILED;
   device->process.socket = -1;
-  if (!take_settings(device, settings, count, &own, error, error_bytes)) {
+  if (!read_settings(device, settings, count, &own, error, error_bytes)) {
     give_up(device);
     return FORCEBOUND_FAILED;
   }

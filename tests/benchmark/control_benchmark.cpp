@@ -1,4 +1,4 @@
-// Cost of control in a tick: one step of PassivityController, from motion and request to the force, with a full damping
+// Cost of control in a tick: one step of ForceBounder, from motion and request to the force, with a full damping
 // matrix. Build it optimised:
 //
 //     cmake --preset release && cmake --build --preset release --target control_benchmark
@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "forcebound/control/exact_law.hpp"
+#include "forcebound/control/force_bounder.hpp"
 #include "forcebound/control/law_registry.hpp"
-#include "forcebound/control/passivity_controller.hpp"
 #include "tests/support/law_loop.hpp"
 #include "tests/support/random_ticks.hpp"
 

@@ -223,17 +223,17 @@ class Flood {
       for (const auto& datagram : arrived) {
         ++totals_.answers;
         totals_.answer_bytes += datagram.bytes.size();
-        take(source, datagram.bytes);
+        receive(source, datagram.bytes);
       }
     }
   }
 
-  void take(Source& source, std::span<const std::byte> datagram) {
+  void receive(Source& source, std::span<const std::byte> datagram) {
     const auto read = security::read_handshake(datagram);
     if (const auto* offer = std::get_if<security::CookieOffer>(&read)) source.cookie = offer->cookie;
     const bool greedy = attack_.kind == "greedy";
     const auto* const answer = std::get_if<security::HandshakeAnswer>(&read);
-    if (greedy && answer != nullptr && (*attack_.keys)[0].take_answer(*answer, clock_.now())) {
+    if (greedy && answer != nullptr && (*attack_.keys)[0].accept_answer(*answer, clock_.now())) {
       source.sealed_by = &(*attack_.keys)[0];
     }
     if (attack_.kind != "fill" && source.sealed_by == nullptr) return;

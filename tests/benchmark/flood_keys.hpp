@@ -44,7 +44,7 @@ class BegunHandshake {
   }
 
   /// Whether it gave a session of keys.
-  bool take_answer(const security::HandshakeAnswer& answer, time::Nanoseconds now) {
+  bool accept_answer(const security::HandshakeAnswer& answer, time::Nanoseconds now) {
     std::array<std::byte, security::kAdmissionBytes> payload{};
     if (answer.topic != topic_ || noise_->read(answer.message, payload).result != security::HandshakeResult::done) {
       return false;

@@ -27,14 +27,14 @@ std::int64_t instructions(const std::string& which, int motions) {
   Process counted(FORCEBOUND_VALGRIND, {"--tool=callgrind", "--callgrind-out-file=" + folder.file("callgrind.out"),
                                         SCENE_COST_COUNTER, which, std::to_string(motions)});
   EXPECT_EQ(counted.wait(100s), 0);
-  const std::string said = counted.err();
+  const std::string output = counted.err();
   const std::string mark = "Collected : ";
-  const std::size_t at = said.find(mark);
+  const std::size_t at = output.find(mark);
   if (at == std::string::npos) {
-    ADD_FAILURE() << said;
+    ADD_FAILURE() << output;
     return 0;
   }
-  return std::stoll(said.substr(at + mark.size()));
+  return std::stoll(output.substr(at + mark.size()));
 }
 
 double instructions_per_motion(const std::string& which) {

@@ -78,9 +78,9 @@ TEST(SequenceWindow, Case13WrapsAroundWithoutLosingACopyOrALatecomer) {
   using Arrival = time::SequenceWindow::Arrival;
   time::SequenceWindow window;
   const std::uint64_t start = ~std::uint64_t{0} - 5;
-  for (std::uint64_t i = 0; i < 12; i += 2) EXPECT_EQ(window.note(start + i), Arrival::newest) << i;
-  for (std::uint64_t i = 1; i < 10; i += 2) EXPECT_EQ(window.note(start + i), Arrival::late) << i;
-  for (std::uint64_t i = 0; i < 10; ++i) EXPECT_EQ(window.note(start + i), Arrival::duplicate) << i;
+  for (std::uint64_t i = 0; i < 12; i += 2) EXPECT_EQ(window.add(start + i), Arrival::newest) << i;
+  for (std::uint64_t i = 1; i < 10; i += 2) EXPECT_EQ(window.add(start + i), Arrival::late) << i;
+  for (std::uint64_t i = 0; i < 10; ++i) EXPECT_EQ(window.add(start + i), Arrival::duplicate) << i;
 }
 
 TEST_F(NetworkHardCase, Case13AServerAnswersMotionWhoseNumbersWrapAround) {

@@ -85,7 +85,7 @@ class CheckedRun {
       motion_.interval_s = n == 0 ? 0 : interval_s();
       motion_.latency_s = facts_.latency_s * draw_.one_of({1, 1, 1, 0.5});
       motion_.write_failed = draw_.sometimes(writes_failed_);
-      motion_.effect_s = draw_.sometimes(effects_reported_) ? told_effect_s() : std::nan("");
+      motion_.effect_s = draw_.sometimes(effects_reported_) ? reported_effect_s() : std::nan("");
       follow(n == 0);
       law_.credit(motion_);
       compare(n);
@@ -136,7 +136,7 @@ class CheckedRun {
   }
 
   /// Shown by the clock: mostly what the facts allow, else later.
-  double told_effect_s() {
+  double reported_effect_s() {
     const Uncertainty& doubt = facts_.uncertainty;
     const double least_s = motion_.latency_s + doubt.latency_s.least;
     const double most_s = motion_.latency_s + doubt.latency_s.most;

@@ -43,7 +43,7 @@ bool is_over(const Way& way, std::chrono::seconds duration) {
   });
 }
 
-void expect_told(const Way& way, std::chrono::seconds duration) {
+void expect_reported(const Way& way, std::chrono::seconds duration) {
   const nlohmann::json summary = way.client->summary();
   ASSERT_TRUE(summary.is_object());
   EXPECT_GE(summary["passivity"]["minimum_J"].get<double>(), kPassive_J);
@@ -71,7 +71,7 @@ void expect_told(const Way& way, std::chrono::seconds duration) {
 
 }  // namespace
 
-void expect_dead_ways_are_told(std::chrono::seconds duration) {
+void expect_dead_ways_are_reported(std::chrono::seconds duration) {
   const Server server({"--scene", "sphere"});
   std::vector<Way> ways(2);
   ways[0].name = "up";
@@ -82,7 +82,7 @@ void expect_dead_ways_are_told(std::chrono::seconds duration) {
     EXPECT_TRUE(becomes_true([&] { return is_over(way, duration); }, kContact + duration + kPatience));
     EXPECT_EQ(way.client->stop(), 0);
     EXPECT_EQ(way.relay->stop(), 0);
-    expect_told(way, duration);
+    expect_reported(way, duration);
   }
 }
 

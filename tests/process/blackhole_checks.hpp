@@ -10,6 +10,6 @@ namespace forcebound::test {
 ///     client --- relay (up is dead for a time) ---+
 ///                                                 +--- server
 ///     client --- relay (down is dead) ------------+
-void expect_dead_ways_are_told(std::chrono::seconds duration);
+void expect_dead_ways_are_reported(std::chrono::seconds duration);
 
 }  // namespace forcebound::test

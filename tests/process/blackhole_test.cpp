@@ -7,7 +7,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-TEST(ADeadWayOfTheNetwork, IsNamedByTheClientsSummary) { expect_dead_ways_are_told(3s); }
+TEST(ADeadWayOfTheNetwork, IsNamedByTheClientsSummary) { expect_dead_ways_are_reported(3s); }
 
 }  // namespace
 }  // namespace forcebound::test

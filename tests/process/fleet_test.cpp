@@ -43,8 +43,8 @@ class StandIn : public Process {
   explicit StandIn(const Words& options) : Process(FORCEBOUND_NODE, stand_in_words(options)) {
     EXPECT_TRUE(wait_for("\"allocator\":"));
     EXPECT_TRUE(wait_for("\n"));
-    const std::string said = out();
-    const json ports = json::parse(said.substr(0, said.find('\n')));
+    const std::string output = out();
+    const json ports = json::parse(output.substr(0, output.find('\n')));
     sidecar_ = std::to_string(ports["sidecars"][0].get<int>());
     allocator_ = std::to_string(ports["allocator"].get<int>());
   }
@@ -113,9 +113,9 @@ TEST_F(AServerOfAFleet, ServesWithoutASidecarAndFindsItLater) {
   EXPECT_EQ(server.stop(), 0);
   // A stand-in on a busy machine may be silent again later.
   const std::string all = server.err();
-  const std::string said = all.substr(0, all.find("the sidecar answers again"));
+  const std::string output = all.substr(0, all.find("the sidecar answers again"));
   const std::string silence = "the sidecar does not answer";
-  EXPECT_EQ(said.find(silence), said.rfind(silence)) << "it is said once:\n" << said;
+  EXPECT_EQ(output.find(silence), output.rfind(silence)) << "it is said once:\n" << output;
 }
 
 TEST_F(AServerOfAFleet, LogsAWrongAnswerOnceWhileTheSidecarAnswersAllElse) {
@@ -125,9 +125,9 @@ TEST_F(AServerOfAFleet, LogsAWrongAnswerOnceWhileTheSidecarAnswersAllElse) {
   ASSERT_TRUE(server.wait_for("/gameserver was answered with what is no state of a GameServer", 60s));
   ASSERT_TRUE(server.wait_for("the sidecar answers again: /gameserver", 60s));
   EXPECT_EQ(server.stop(), 0);
-  const std::string said = server.err();
+  const std::string output = server.err();
   const std::string fault = "no state of a GameServer";
-  EXPECT_EQ(said.find(fault), said.rfind(fault)) << "it is said once:\n" << said;
+  EXPECT_EQ(output.find(fault), output.rfind(fault)) << "it is said once:\n" << output;
 }
 
 TEST_F(AServerOfAFleet, ServesBesideASidecarThatTakesConnectionsAndNeverAnswers) {

@@ -54,9 +54,9 @@ inline testing::AssertionResult has_in_order(const std::string& text, const std:
 /// Whether the robot followed without a break: a leader that the machine gives no time is silent, and what its hand
 /// moved meanwhile is not followed.
 inline bool was_led_all_the_time(const Server& server) {
-  const std::string said = server.err();
-  return said.find("-> holding") == std::string::npos && said.find("the leader is silent") == std::string::npos &&
-         said.find("stopped by itself") == std::string::npos;
+  const std::string output = server.err();
+  return output.find("-> holding") == std::string::npos && output.find("the leader is silent") == std::string::npos &&
+         output.find("stopped by itself") == std::string::npos;
 }
 
 /// The least P of the robot's port, as the server's totals have it.

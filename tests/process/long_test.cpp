@@ -28,7 +28,7 @@ TEST(AMinuteOfABadNetwork, LosesOnlyWhatTheRelayDropped) {
   expect_exact_counts(outcome);
 }
 
-TEST(AMinuteOfADeadWay, IsNamedByTheClientsSummary) { expect_dead_ways_are_told(kMinute); }
+TEST(AMinuteOfADeadWay, IsNamedByTheClientsSummary) { expect_dead_ways_are_reported(kMinute); }
 
 /// A recorded hand, touching `scene` through the recorded network's second minute: there the urban one has a blackout
 /// of 7 s, and the rural one's round trip is 12 s.

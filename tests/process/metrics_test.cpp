@@ -98,9 +98,9 @@ std::vector<json> lines_of_json(const std::string& text) {
 TEST(ALogOfJson, IsAllThatClientAndServerWriteToStandardError) {
   Process server(kServer, {"--listen", "127.0.0.1:0", "--scene", "sphere", "--log-json", "--realtime", "--verbose"});
   ASSERT_TRUE(server.wait_for("listening on "));
-  const std::string said = server.err();
+  const std::string output = server.err();
   std::smatch match;
-  ASSERT_TRUE(std::regex_search(said, match, std::regex(R"(listening on ([0-9.]+:\d+))")));
+  ASSERT_TRUE(std::regex_search(output, match, std::regex(R"(listening on ([0-9.]+:\d+))")));
   Client client(match[1], {"--device", "omni", "--duration", "1", "--once", "--log-json"});
   EXPECT_EQ(client.wait(60s), client.expected_end());
   EXPECT_EQ(server.stop(), 0);

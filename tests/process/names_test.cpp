@@ -103,9 +103,9 @@ TEST_F(NamesOfServers, OfAServerThatMovesLeadClientAndRelayToIt) {
   Program relay(*this, {kRelay, "--listen", "127.0.0.1:0", "--upstream", "haptics.test:" + port});
   ASSERT_TRUE(relay.wait_for("down:")) << relay.err();
   EXPECT_THAT(unwrapped(relay.out()), HasSubstr("upstream haptics.test:" + port + " (at 127.0.0.1:" + port + ")"));
-  const std::string said = relay.out();
-  const std::size_t at = said.find("listening on ") + 13;
-  Client through_relay(said.substr(at, said.find(',', at) - at), kHand);
+  const std::string output = relay.out();
+  const std::size_t at = output.find("listening on ") + 13;
+  Client through_relay(output.substr(at, output.find(',', at) - at), kHand);
   Program client(*this, client_of(port));
   for (Process* const each : {static_cast<Process*>(&client), static_cast<Process*>(&through_relay)}) {
     ASSERT_TRUE(each->wait_for("connected; simulated")) << each->err();

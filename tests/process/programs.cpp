@@ -40,10 +40,10 @@ Listener::Listener(const char* program, const Words& arguments, const std::strin
     : Process(program, with({"--listen", at}, arguments)) {
   wait_for("listening on ");
   static const std::regex kAddress(R"(listening on (\d+\.\d+\.\d+\.\d+:\d+)\b)");
-  const std::string said = out() + err();
+  const std::string output = out() + err();
   std::smatch match;
-  if (!std::regex_search(said, match, kAddress)) {
-    throw std::runtime_error(std::string(program) + " does not listen; it said: " + said);
+  if (!std::regex_search(output, match, kAddress)) {
+    throw std::runtime_error(std::string(program) + " does not listen; it said: " + output);
   }
   address_ = match[1];
 }

@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "forcebound/baselines/baselines.hpp"
-#include "forcebound/control/passivity_controller.hpp"
+#include "forcebound/control/force_bounder.hpp"
 #include "forcebound/device/load_device.hpp"
 
 namespace {
@@ -43,7 +43,7 @@ struct Steps {
 Steps steps_of(const control::DeviceFacts& facts, const std::string& law, const std::vector<double>& numbers) {
   const Eigen::Index dof = facts.degrees_of_freedom();
   const auto rows = numbers.size() / static_cast<std::size_t>(2 * dof);
-  control::PassivityController controller(facts, forcebound::baselines::shipped_laws().make(law, facts));
+  control::ForceBounder bounder(facts, forcebound::baselines::shipped_laws().make(law, facts));
   const control::Damping damping = control::Damping::from_matrix(facts.damping);
   control::Motion motion;
   motion.jacobian = control::Matrix::Identity(dof, dof);
@@ -58,10 +58,10 @@ Steps steps_of(const control::DeviceFacts& facts, const std::string& law, const 
     motion.position = motion.joint = control::Vector::Map(at, dof);
     const control::Vector request_N = control::Vector::Map(at + dof, dof);
     at += 2 * dof;
-    const control::Vector force_N = controller.tick(motion, request_N);
+    const control::Vector force_N = bounder.tick(motion, request_N);
     for (const double component_N : force_N) *force_at++ = component_N;
-    steps.energies_J[row] = controller.law().energy_J();
-    steps.xis[row] = controller.law().xi();
+    steps.energies_J[row] = bounder.law().energy_J();
+    steps.xis[row] = bounder.law().xi();
   }
   return steps;
 }

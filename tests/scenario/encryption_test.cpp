@@ -40,7 +40,7 @@ class SealedConversation {
         client_(network_.add_client(), network_.server_address(), handshaker_, clock_) {
     start_server();
     network_.set_server_handler([this](std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now) {
-      const auto content = server_->take_in(datagram, from, now);
+      const auto content = server_->accept(datagram, from, now);
       while (server_->has_waiting()) server_->answer_waiting(now);
       if (!content) return;
       from_client.insert(number_in(content->bytes));

@@ -12,10 +12,10 @@ namespace forcebound::test {
 
 /// What a CountingLaw and its server-side law received from each other.
 struct CountLog {
-  std::vector<double> ticks_heard;             ///< at the server: number of ticks of the device
+  std::vector<double> ticks_received;          ///< at the server: number of ticks of the device
   std::vector<double> intervals_s;             ///< at the server
-  std::vector<double> answers_heard;           ///< at the device: number of the server's answers in this session
-  std::vector<double> ticks_heard_of;          ///< at the device: the tick count last received by the server
+  std::vector<double> answers_received;        ///< at the device: number of the server's answers in this session
+  std::vector<double> ticks_confirmed;         ///< at the device: the tick count last received by the server
   std::vector<std::size_t> server_side_began;  ///< the device's count at each start
 };
 
@@ -43,10 +43,10 @@ class CountingLaw final : public control::PassivityLaw {
   }
   void incoming(const control::ServerLawNumbers& numbers) noexcept override {
     if (numbers.rows() != 2) return;
-    log_.answers_heard.push_back(numbers[0]);
-    log_.ticks_heard_of.push_back(numbers[1]);
+    log_.answers_received.push_back(numbers[0]);
+    log_.ticks_confirmed.push_back(numbers[1]);
   }
-  void begin_server_side() noexcept override { log_.server_side_began.push_back(log_.answers_heard.size()); }
+  void begin_server_side() noexcept override { log_.server_side_began.push_back(log_.answers_received.size()); }
 
  private:
   control::TransparentLaw none_;
@@ -58,13 +58,13 @@ class CountingServerSideLaw final : public control::ServerSideLaw {
  public:
   explicit CountingServerSideLaw(CountLog& log) : log_(log) {}
 
-  [[nodiscard]] control::Vector place(const Heard& heard) noexcept override {
-    if (heard.numbers.rows() > 0) ticks_ = heard.numbers[0];
-    log_.ticks_heard.push_back(ticks_);
-    log_.intervals_s.push_back(heard.interval_s);
-    return heard.position + control::Vector::Constant(heard.position.rows(), CountingLaw::kShift_m);
+  [[nodiscard]] control::Vector place(const Received& received) noexcept override {
+    if (received.numbers.rows() > 0) ticks_ = received.numbers[0];
+    log_.ticks_received.push_back(ticks_);
+    log_.intervals_s.push_back(received.interval_s);
+    return received.position + control::Vector::Constant(received.position.rows(), CountingLaw::kShift_m);
   }
-  [[nodiscard]] Said answer(const control::Vector& force_N) noexcept override {
+  [[nodiscard]] Reply answer(const control::Vector& force_N) noexcept override {
     control::ServerLawNumbers numbers(2);
     numbers << ++answers_, ticks_;
     return {.force = 2 * force_N, .numbers = numbers};
@@ -80,7 +80,7 @@ class CountingServerSideLaw final : public control::ServerSideLaw {
 /// before it allocates.
 inline control::LawRegistry laws_with_counting(CountLog& log) {
   constexpr std::size_t kTicks = 100'000;
-  for (auto* numbers : {&log.ticks_heard, &log.intervals_s, &log.answers_heard, &log.ticks_heard_of})
+  for (auto* numbers : {&log.ticks_received, &log.intervals_s, &log.answers_received, &log.ticks_confirmed})
     numbers->reserve(kTicks);
   log.server_side_began.reserve(100);
   control::LawRegistry laws = baselines::shipped_laws();

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "forcebound/baselines/baselines.hpp"
+#include "forcebound/control/force_bounder.hpp"
 #include "forcebound/control/law_registry.hpp"
-#include "forcebound/control/passivity_controller.hpp"
 #include "tests/support/ideal_device.hpp"
 #include "tests/support/special_numbers.hpp"
 
@@ -25,7 +25,7 @@ class LawLoop {
       : interval_s_(setting.period_s),
         damping_(control::Damping::from_matrix(damping)),
         unit_(control::Matrix::Identity(damping.rows(), damping.rows())),
-        controller_(make_controller(law, damping, setting)) {}
+        bounder_(make_bounder(law, damping, setting)) {}
 
   control::Vector tick(const control::Vector& position, const control::Vector& request_N) noexcept {
     control::Motion motion;
@@ -33,7 +33,7 @@ class LawLoop {
     motion.position = motion.joint = position;
     motion.jacobian = unit_;
     motion.damping = &damping_;
-    return controller_.tick(motion, request_N);
+    return bounder_.tick(motion, request_N);
   }
 
   /// One degree of freedom.
@@ -49,16 +49,16 @@ class LawLoop {
 
   /// The position at which the environment is asked next, if the device is at `position`.
   [[nodiscard]] control::Vector proxy_position(const control::Vector& position) const noexcept {
-    return controller_.law().proxy_position(position);
+    return bounder_.law().proxy_position(position);
   }
 
-  [[nodiscard]] double energy_J() const noexcept { return controller_.law().energy_J(); }
-  [[nodiscard]] double xi() const noexcept { return controller_.law().xi(); }
-  [[nodiscard]] const control::PassivityController::Counts& counts() const noexcept { return controller_.counts(); }
+  [[nodiscard]] double energy_J() const noexcept { return bounder_.law().energy_J(); }
+  [[nodiscard]] double xi() const noexcept { return bounder_.law().xi(); }
+  [[nodiscard]] const control::ForceBounder::Counts& counts() const noexcept { return bounder_.counts(); }
 
  private:
-  static control::PassivityController make_controller(std::string_view law, const control::Matrix& damping,
-                                                      const LawLoopSetting& setting) {
+  static control::ForceBounder make_bounder(std::string_view law, const control::Matrix& damping,
+                                            const LawLoopSetting& setting) {
     control::DeviceFacts facts = ideal_device(damping);
     facts.period_s = setting.period_s;
     facts.actuator_step = control::Vector::Constant(damping.rows(), setting.actuator_step_N);
@@ -69,7 +69,7 @@ class LawLoop {
   double interval_s_;
   control::Damping damping_;
   control::Matrix unit_;
-  control::PassivityController controller_;
+  control::ForceBounder bounder_;
 };
 
 /// A law on one axis of the paper's device.

@@ -107,13 +107,13 @@ std::optional<int> Process::wait(std::chrono::nanoseconds limit) {
 }
 
 bool Process::wait_for(std::string_view text, std::chrono::nanoseconds limit) {
-  const auto said = [&] { return (out() + err()).find(text) != std::string::npos; };
+  const auto printed = [&] { return (out() + err()).find(text) != std::string::npos; };
   const auto said_or_ended = [&] {
     const bool ended = reap();
-    return said() || ended;
+    return printed() || ended;
   };
   static_cast<void>(becomes_true(said_or_ended, limit));
-  return said();
+  return printed();
 }
 
 void Process::signal(int number) const {

@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "forcebound/baselines/baselines.hpp"
+#include "forcebound/control/force_bounder.hpp"
 #include "forcebound/control/law_registry.hpp"
-#include "forcebound/control/passivity_controller.hpp"
 #include "tests/support/ideal_device.hpp"
 
 namespace forcebound::test {
@@ -33,14 +33,14 @@ class TwoPortLoop {
         setting_(std::move(setting)),
         environment_(std::move(environment)),
         damping_(control::Damping::from_matrix(facts_.damping)),
-        controller_(facts_, baselines::shipped_laws().make(law, facts_, {.parameters = setting_.parameters})),
+        bounder_(facts_, baselines::shipped_laws().make(law, facts_, {.parameters = setting_.parameters})),
         request_(control::Vector::Zero(setting_.degrees_of_freedom)) {
     restart_server();
   }
 
   /// The force on the device from this reading on [N].
   control::Vector tick(const control::Vector& position) {
-    up_.push_back({position, controller_.law().outgoing()});
+    up_.push_back({position, bounder_.law().outgoing()});
     if (up_.size() > setting_.delay_ticks) {
       const auto [at, numbers] = up_.front();
       up_.pop_front();
@@ -48,7 +48,7 @@ class TwoPortLoop {
       down_.push_back(server_side_->answer(environment_(place_)));
     }
     if (down_.size() > setting_.delay_ticks) {
-      controller_.hear(down_.front().numbers);
+      bounder_.receive(down_.front().numbers);
       request_ = down_.front().force;
       down_.pop_front();
     }
@@ -63,7 +63,7 @@ class TwoPortLoop {
     motion.position = motion.joint = position;
     motion.jacobian = control::Matrix::Identity(position.rows(), position.rows());
     motion.damping = &damping_;
-    return controller_.tick(motion, request_N);
+    return bounder_.tick(motion, request_N);
   }
   double step(double position_m, double request_N) noexcept {
     return step(control::Vector::Constant(1, position_m), control::Vector::Constant(1, request_N))[0];
@@ -74,11 +74,11 @@ class TwoPortLoop {
     answers_ = 0;
     up_.clear();
     down_.clear();
-    controller_.begin_server_side();
+    bounder_.begin_server_side();
   }
 
-  control::PassivityController& controller() noexcept { return controller_; }
-  [[nodiscard]] const control::PassivityLaw& law() const noexcept { return controller_.law(); }
+  control::ForceBounder& bounder() noexcept { return bounder_; }
+  [[nodiscard]] const control::PassivityLaw& law() const noexcept { return bounder_.law(); }
   [[nodiscard]] double energy_J() const noexcept { return law().energy_J(); }
   [[nodiscard]] const control::Vector& place() const noexcept { return place_; }
 
@@ -93,10 +93,10 @@ class TwoPortLoop {
   TwoPortSetting setting_;
   Environment environment_;
   control::Damping damping_;
-  control::PassivityController controller_;
+  control::ForceBounder bounder_;
   std::unique_ptr<control::ServerSideLaw> server_side_;
   std::deque<Up> up_;
-  std::deque<control::ServerSideLaw::Said> down_;
+  std::deque<control::ServerSideLaw::Reply> down_;
   control::Vector request_;
   control::Vector place_;
   int ticks_ = 0;

@@ -43,8 +43,8 @@ export class Charts {
     this.pauseButton.addEventListener("click", () => (this.end_s === null ? this.pause() : this.live()));
     byId("longer").addEventListener("click", () => this.#zoomTo(1));
     byId("shorter").addEventListener("click", () => this.#zoomTo(-1));
-    this.#takeKeys();
-    this.#takeWheel();
+    this.#listenToKeys();
+    this.#listenToWheel();
     onTheme(() => this.#rebuild());
     this.#showState();
   }
@@ -156,7 +156,7 @@ export class Charts {
     plot.setCursor({ left: plot.valToPos(this.cursor_s, "x"), top: 5 });
   }
 
-  #takeKeys() {
+  #listenToKeys() {
     const keys = {
       ArrowLeft: () => this.#moveCursor(-this.window_s / 100),
       ArrowRight: () => this.#moveCursor(this.window_s / 100),
@@ -172,7 +172,7 @@ export class Charts {
     });
   }
 
-  #takeWheel() {
+  #listenToWheel() {
     this.area.addEventListener("wheel", (event) => {
       const scrolls = document.documentElement.scrollHeight > window.innerHeight + 1;
       if (scrolls && !event.ctrlKey) return;

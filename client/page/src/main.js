@@ -103,11 +103,11 @@ byId("reset-view").addEventListener("click", () => stage.resetCamera());
 const kSceneComes_ms = 1500;
 
 /** What a hello without them stands for. */
-const kNothingSaid = { choices: { laws: [], scenes: [], devices: [] }, settings: {}, tracks: [], may_change: false, read_only: false };
+const kNothingKnown = { choices: { laws: [], scenes: [], devices: [] }, settings: {}, tracks: [], may_change: false, read_only: false };
 
 function showHello(message) {
   const other = hello && (hello.settings?.scene !== message.settings?.scene || hello.settings?.device !== message.settings?.device);
-  hello = { ...kNothingSaid, ...message };
+  hello = { ...kNothingKnown, ...message };
   const { program } = hello;
   document.body.dataset.program = program;
   document.body.dataset.tracks = String(hello.tracks.length);
@@ -241,14 +241,14 @@ function showLink(state) {
   if (state.open || !state.lostSince) return;
   const since = state.lostSince.toTimeString().slice(0, 8);
   const why = state.reason ? ` (${state.reason})` : "";
-  const tell = () => {
+  const show = () => {
     const ago = duration((Date.now() - state.lostSince.getTime()) / 1000);
     setText(byId("lost-text"), state.ever
       ? `Connection lost${why} at ${since}, ${ago} ago. What is shown is from then; the page tries again by itself.`
       : `No connection${why} since ${since}. Is the program running, and is this the address that it printed? The page tries again by itself.`);
   };
-  tell();
-  lostTimer = window.setInterval(tell, 1000);
+  show();
+  lostTimer = window.setInterval(show, 1000);
 }
 
 const link = openLink({

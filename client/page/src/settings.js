@@ -35,11 +35,11 @@ export class Settings {
       const value = event.target.valueAsNumber;
       if (Number.isFinite(value)) this.send({ kind: "choose", setting: "stiffness_N_per_m", value });
     });
-    this.#takeNetwork();
+    this.#listenToNetwork();
     byId("settings-form").addEventListener("submit", (event) => event.preventDefault());
   }
 
-  #takeNetwork() {
+  #listenToNetwork() {
     for (const name of kNetwork) {
       byId(name).addEventListener("input", () => {
         this.#showNetwork();

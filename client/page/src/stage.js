@@ -32,7 +32,7 @@ class RoundScale {
     this.peak = 0;
   }
 
-  take(value) {
+  add(value) {
     this.peak = Math.max(value, 0.993 * this.peak);
     const fits = this.steps.find((step) => step >= this.peak) ?? this.steps.at(-1);
     if (fits > this.full || this.peak < 0.4 * this.full) this.full = fits;
@@ -305,8 +305,8 @@ export class Stage {
       this.resetCamera();
       for (const each of this.views) this.#build(each);
     }
-    this.forces.take(state.exerted.length());
-    if (state.turn) this.torques.take(state.exertedTorque.length());
+    this.forces.add(state.exerted.length());
+    if (state.turn) this.torques.add(state.exertedTorque.length());
   }
 
   /** The newest tick of a `ticks` message. */
@@ -326,8 +326,8 @@ export class Stage {
     state.hand = message.hand_m ? point(message.hand_m) : null;
     state.plane = message.plane && message.contact?.[last]
       ? { middle: point(message.plane.point_m), normal: point(message.plane.normal).normalize() } : null;
-    this.forces.take(Math.max(Math.min(state.asked.length(), kAskedMost_N), state.applied.length()));
-    this.torques.take(state.torque.length());
+    this.forces.add(Math.max(Math.min(state.asked.length(), kAskedMost_N), state.applied.length()));
+    this.torques.add(state.torque.length());
     this.#keepInSight(this.tip(track));
     this.changed();
   }

@@ -80,7 +80,7 @@ void bind_laws(py::module_& module) {
       py::arg("positions"), py::arg("requests_N"), py::arg("intervals_s") = py::none(), py::arg("joints") = py::none(),
       py::arg("jacobians") = py::none(), py::arg("latencies_s") = py::none());
   law.def("confirm", &RunningLaw::confirm, py::arg("force_N"), py::arg("latency_s"));
-  law.def("hear", &RunningLaw::hear, py::arg("numbers"));
+  law.def("hear", &RunningLaw::receive, py::arg("numbers"));
   law.def("outgoing", &RunningLaw::outgoing);
   law.def("begin_server_side", &RunningLaw::begin_server_side);
   law.def_property_readonly("facts", &RunningLaw::facts);

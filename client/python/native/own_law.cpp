@@ -29,11 +29,11 @@ void OwnLaw::commit(const Vector& force_N) noexcept {
   }
 }
 
-void OwnLaw::tell(const char* what, const control::Motion& motion) noexcept {
+void OwnLaw::pass(const char* what, const control::Motion& motion) noexcept {
   const py::gil_scoped_acquire gil;
   if (shared_->fault.kept()) return;
   try {
-    ToldMotion told{.motion = motion, .damping = motion.damping != nullptr ? motion.damping->matrix() : Matrix()};
+    MotionOfPython told{.motion = motion, .damping = motion.damping != nullptr ? motion.damping->matrix() : Matrix()};
     told.motion.damping = nullptr;
     shared_->object.attr(what)(std::move(told));
   } catch (...) {
@@ -65,22 +65,22 @@ void add_own_law(control::LawRegistry& laws, const std::shared_ptr<OwnLaw::Share
 namespace {
 
 template <auto kMember>
-void add_value(py::class_<ToldMotion>& motion, const char* name, const char* doc) {
+void add_value(py::class_<MotionOfPython>& motion, const char* name, const char* doc) {
   motion.def_property_readonly(
-      name, [](const ToldMotion& told) { return told.motion.*kMember; }, doc);
+      name, [](const MotionOfPython& told) { return told.motion.*kMember; }, doc);
 }
 
 template <auto kMember>
-void add_array(py::class_<ToldMotion>& motion, const char* name, const char* doc) {
+void add_array(py::class_<MotionOfPython>& motion, const char* name, const char* doc) {
   motion.def_property_readonly(
-      name, [](const ToldMotion& told) { return array_of(told.motion.*kMember); }, doc);
+      name, [](const MotionOfPython& told) { return array_of(told.motion.*kMember); }, doc);
 }
 
 }  // namespace
 
 void bind_own_laws(py::module_& module) {
   using control::Motion;
-  py::class_<ToldMotion> motion(module, "Motion", "What a tick measured before it chooses a force.");
+  py::class_<MotionOfPython> motion(module, "Motion", "What a tick measured before it chooses a force.");
   add_value<&Motion::interval_s>(motion, "interval_s",
                                  "Measured length of the interval that ended with this reading [s]; 0 at first.");
   add_value<&Motion::latency_s>(motion, "latency_s",
@@ -96,7 +96,7 @@ void bind_own_laws(py::module_& module) {
   add_array<&Motion::jacobian>(motion, "jacobian", "d position / d joint (dof, joints).");
   motion.def_property_readonly(
       "damping",
-      [](const ToldMotion& told) -> py::object {
+      [](const MotionOfPython& told) -> py::object {
         if (told.damping.rows() == 0) return py::none();
         return array_of(told.damping);
       },

@@ -10,7 +10,7 @@
 namespace forcebound::python {
 
 /// A motion as a law in Python is told it, and may keep it.
-struct ToldMotion {
+struct MotionOfPython {
   control::Motion motion;
   Matrix damping;  ///< which the motion only points to
 };
@@ -29,15 +29,15 @@ class OwnLaw final : public control::PassivityLaw {
   explicit OwnLaw(std::shared_ptr<Shared> shared) : shared_(std::move(shared)) {}
 
   [[nodiscard]] std::string_view name() const noexcept override { return shared_->name; }
-  void credit(const control::Motion& motion) noexcept override { tell("credit", motion); }
-  void lose(const control::Motion& motion) noexcept override { tell("lose", motion); }
+  void credit(const control::Motion& motion) noexcept override { pass("credit", motion); }
+  void lose(const control::Motion& motion) noexcept override { pass("lose", motion); }
   [[nodiscard]] Vector bound(const Vector& request_N) noexcept override;
   void commit(const Vector& force_N) noexcept override;
   [[nodiscard]] double energy_J() const noexcept override { return number("energy_J", 0); }
   [[nodiscard]] double xi() const noexcept override { return number("xi", 1); }
 
  private:
-  void tell(const char* what, const control::Motion& motion) noexcept;
+  void pass(const char* what, const control::Motion& motion) noexcept;
   [[nodiscard]] double number(const char* attribute, double otherwise) const noexcept;
 
   std::shared_ptr<Shared> shared_;

@@ -22,19 +22,19 @@ control::LawOptions complete(const std::string& name, const control::DeviceFacts
   return options;
 }
 
-double or_else(const py::object& told, double standard, const char* name) {
-  return told.is_none() ? standard : number_from(told, name);
+double or_else(const py::object& tick, double standard, const char* name) {
+  return tick.is_none() ? standard : number_from(tick, name);
 }
 
-double seconds_or_else(const py::object& told, double standard, const char* name) {
-  return told.is_none() ? standard : seconds_from(told, name);
+double seconds_or_else(const py::object& tick, double standard, const char* name) {
+  return tick.is_none() ? standard : seconds_from(tick, name);
 }
 
 /// Reports of the device, which may be before what they are counted from.
-double report_or_else(const py::object& told, double standard, const char* name) {
+double report_or_else(const py::object& tick, double standard, const char* name) {
   constexpr double kMost_s = 1e6;
-  const double seconds = or_else(told, standard, name);
-  if (told.is_none() || std::abs(seconds) <= kMost_s) return seconds;
+  const double seconds = or_else(tick, standard, name);
+  if (tick.is_none() || std::abs(seconds) <= kMost_s) return seconds;
   throw py::value_error(std::string(name) + " must be -1e6 to 1e6 s, or None where the device does not tell, got " +
                         text::to_text(seconds));
 }
@@ -58,7 +58,7 @@ class RunningLaw::InUse {
 RunningLaw::RunningLaw(control::DeviceFacts facts, const std::string& name, control::LawOptions options)
     : facts_(std::move(facts)),
       options_(complete(name, facts_, std::move(options))),
-      controller_(facts_, laws().make(name, facts_, options_)),
+      bounder_(facts_, laws().make(name, facts_, options_)),
       damping_(control::Damping::from_matrix(facts_.damping)),
       request_N_(Vector::Zero(facts_.degrees_of_freedom())) {
   motion_.position = Vector::Zero(facts_.degrees_of_freedom());
@@ -71,38 +71,38 @@ void RunningLaw::bend_damping() noexcept {
   motion_.damping = &damping_;
 }
 
-void RunningLaw::read_joints(py::handle position, const Told& told) {
+void RunningLaw::read_joints(py::handle position, const Tick& tick) {
   motion_.position = vector_from(position, facts_.degrees_of_freedom(), "position");
   if (facts_.cartesian) {
     motion_.joint = motion_.position;
     return;
   }
-  if (told.joint.is_none() || told.jacobian.is_none()) {
+  if (tick.joint.is_none() || tick.jacobian.is_none()) {
     throw py::value_error("joint and jacobian: expected both, as device '" + facts_.name + "' is not Cartesian");
   }
-  motion_.joint = vector_from(told.joint, facts_.joints(), "joint");
-  motion_.jacobian = matrix_from(told.jacobian, facts_.degrees_of_freedom(), facts_.joints(), "jacobian");
+  motion_.joint = vector_from(tick.joint, facts_.joints(), "joint");
+  motion_.jacobian = matrix_from(tick.jacobian, facts_.degrees_of_freedom(), facts_.joints(), "jacobian");
 }
 
-py::array_t<double> RunningLaw::step(py::handle position, py::handle request_N, const Told& told) {
+py::array_t<double> RunningLaw::step(py::handle position, py::handle request_N, const Tick& tick) {
   const InUse in_use(in_use_);
   // All is read before anything of the law changes.
   if (!request_N.is_none()) request_N_ = vector_from(request_N, facts_.degrees_of_freedom(), "request_N");
-  const double interval_s = or_else(told.interval_s, begun_ ? facts_.period_s : 0, "interval_s");
-  const double latency_s = seconds_or_else(told.latency_s, facts_.latency_s, "latency_s");
-  const double latency_s_max = seconds_or_else(told.latency_s_max, facts_.latency_s, "latency_s_max");
-  const double effect_s = report_or_else(told.effect_s, control::Motion{}.effect_s, "effect_s");
-  const double held_s = report_or_else(told.held_s, control::Motion{}.held_s, "held_s");
-  read_joints(position, told);
+  const double interval_s = or_else(tick.interval_s, begun_ ? facts_.period_s : 0, "interval_s");
+  const double latency_s = seconds_or_else(tick.latency_s, facts_.latency_s, "latency_s");
+  const double latency_s_max = seconds_or_else(tick.latency_s_max, facts_.latency_s, "latency_s_max");
+  const double effect_s = report_or_else(tick.effect_s, control::Motion{}.effect_s, "effect_s");
+  const double held_s = report_or_else(tick.held_s, control::Motion{}.held_s, "held_s");
+  read_joints(position, tick);
   motion_.interval_s = interval_s;
   motion_.latency_s = latency_s;
   motion_.latency_s_max = latency_s_max;
   motion_.effect_s = effect_s;
   motion_.held_s = held_s;
-  motion_.write_failed = told.write_failed;
+  motion_.write_failed = tick.write_failed;
   bend_damping();
   begun_ = true;
-  return array_of(request_N.is_none() ? controller_.release(motion_) : controller_.tick(motion_, request_N_));
+  return array_of(request_N.is_none() ? bounder_.release(motion_) : bounder_.tick(motion_, request_N_));
 }
 
 /// A recorded sequence, checked before its first tick.
@@ -119,7 +119,7 @@ class RunningLaw::Sequence {
     } else {
       intervals_s_.emplace(one_each(recorded.intervals_s, "intervals_s"));
     }
-    if (!recorded.latencies_s.is_none()) note_latencies(recorded.latencies_s);
+    if (!recorded.latencies_s.is_none()) store_latencies(recorded.latencies_s);
     if (facts.cartesian) return;
     if (recorded.joints.is_none() || recorded.jacobians.is_none()) {
       throw py::value_error("joints and jacobians: expected both, as device '" + facts.name + "' is not Cartesian");
@@ -148,7 +148,7 @@ class RunningLaw::Sequence {
     if (row + 1 < size()) motion.latency_s_max = latencies_s_->read(row + 1);
   }
 
-  void note_latencies(const py::object& values) {
+  void store_latencies(const py::object& values) {
     latencies_s_.emplace(one_each(values, "latencies_s"));
     for (py::ssize_t row = 0; row < size(); ++row) {
       const double latency_s = latencies_s_->read(row);
@@ -198,10 +198,10 @@ py::tuple RunningLaw::run(py::handle positions, py::handle requests_N, const Rec
       if (!begun_ && !sequence.has_intervals()) motion_.interval_s = 0;
       begun_ = true;
       bend_damping();
-      const Vector force_N = controller_.tick(motion_, request_N_);
+      const Vector force_N = bounder_.tick(motion_, request_N_);
       for (Eigen::Index i = 0; i < force_N.rows(); ++i) *force_at++ = force_N[i];
-      *energy_at++ = controller_.law().energy_J();
-      *xi_at++ = controller_.law().xi();
+      *energy_at++ = bounder_.law().energy_J();
+      *xi_at++ = bounder_.law().xi();
     }
   }
   return py::make_tuple(forces_N, energies_J, xis);
@@ -211,38 +211,38 @@ py::array_t<double> RunningLaw::confirm(py::handle force_N, double latency_s) {
   const InUse in_use(in_use_);
   const Vector force = vector_from(force_N, facts_.degrees_of_freedom(), "force_N");
   if (!force.allFinite()) throw py::value_error("force_N must be finite");
-  return array_of(controller_.confirmed(force, latency_s));
+  return array_of(bounder_.confirmed(force, latency_s));
 }
 
-void RunningLaw::hear(py::handle numbers) {
+void RunningLaw::receive(py::handle numbers) {
   const InUse in_use(in_use_);
-  controller_.hear(server_law_numbers_from(numbers));
+  bounder_.receive(server_law_numbers_from(numbers));
 }
 
 py::array_t<double> RunningLaw::outgoing() const {
   const InUse in_use(in_use_);
-  const control::ServerLawNumbers numbers = controller_.law().outgoing();
+  const control::ServerLawNumbers numbers = bounder_.law().outgoing();
   return array_of(numbers.data(), numbers.rows());
 }
 
 void RunningLaw::begin_server_side() {
   const InUse in_use(in_use_);
-  controller_.begin_server_side();
+  bounder_.begin_server_side();
 }
 
 double RunningLaw::energy_J() const {
   const InUse in_use(in_use_);
-  return controller_.law().energy_J();
+  return bounder_.law().energy_J();
 }
 
 double RunningLaw::xi() const {
   const InUse in_use(in_use_);
-  return controller_.law().xi();
+  return bounder_.law().xi();
 }
 
 py::dict RunningLaw::counts() const {
   const InUse in_use(in_use_);
-  const control::PassivityController::Counts& c = controller_.counts();
+  const control::ForceBounder::Counts& c = bounder_.counts();
   py::dict counts;
   counts["requests_not_finite"] = c.requests_not_finite;
   counts["readings_not_finite"] = c.readings_not_finite;

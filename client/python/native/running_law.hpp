@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 
+#include "forcebound/control/force_bounder.hpp"
 #include "forcebound/control/law_registry.hpp"
-#include "forcebound/control/passivity_controller.hpp"
 #include "python/native/arrays.hpp"
 
 namespace forcebound::python {
@@ -14,7 +14,7 @@ namespace forcebound::python {
 /// What law and server-side law tell each other: (k,), k <= 16. @throws py::value_error
 [[nodiscard]] control::ServerLawNumbers server_law_numbers_from(py::handle numbers);
 
-/// A law at work on a device, ticked from Python: control::PassivityController with its law, and what a Motion needs
+/// A law at work on a device, ticked from Python: control::ForceBounder with its law, and what a Motion needs
 /// beside the readings.
 ///
 /// A Cartesian device's joints are its position, and nothing else is read of them. Of any other device each tick needs
@@ -23,11 +23,11 @@ namespace forcebound::python {
 /// A law has one owner: what is called while a sequence runs in another thread throws std::runtime_error.
 class RunningLaw {
  public:
-  /// @throws std::invalid_argument as LawRegistry::make and PassivityController
+  /// @throws std::invalid_argument as LawRegistry::make and ForceBounder
   RunningLaw(control::DeviceFacts facts, const std::string& name, control::LawOptions options);
 
   /// What a tick may be told beside position and request; None: by the facts.
-  struct Told {
+  struct Tick {
     py::object interval_s;
     py::object joint;
     py::object jacobian;
@@ -38,7 +38,7 @@ class RunningLaw {
     bool write_failed = false;
   };
   /// One tick: the force for the device (dof,) [N]. @param request_N None: no answer of the environment
-  py::array_t<double> step(py::handle position, py::handle request_N, const Told& told);
+  py::array_t<double> step(py::handle position, py::handle request_N, const Tick& tick);
 
   struct Recorded {
     py::object intervals_s;
@@ -52,7 +52,7 @@ class RunningLaw {
   /// The force, or zero where it takes effect too late.
   py::array_t<double> confirm(py::handle force_N, double latency_s);
 
-  void hear(py::handle numbers);
+  void receive(py::handle numbers);
   [[nodiscard]] py::array_t<double> outgoing() const;
   void begin_server_side();
 
@@ -66,12 +66,12 @@ class RunningLaw {
   class InUse;
   class Sequence;
 
-  void read_joints(py::handle position, const Told& told);
+  void read_joints(py::handle position, const Tick& tick);
   void bend_damping() noexcept;
 
   control::DeviceFacts facts_;
   control::LawOptions options_;
-  control::PassivityController controller_;
+  control::ForceBounder bounder_;
   control::Damping damping_;
   control::Motion motion_;
   Vector request_N_;

@@ -25,18 +25,18 @@ class ServerSide {
 
   py::array_t<double> place(py::handle position, py::handle numbers, double interval_s) {
     const Vector at = vector_from(position, rows_, "position");
-    const control::ServerLawNumbers heard = server_law_numbers_from(numbers);
-    if (!at.allFinite() || !heard.allFinite() || !(interval_s >= 0) || !std::isfinite(interval_s)) {
+    const control::ServerLawNumbers received = server_law_numbers_from(numbers);
+    if (!at.allFinite() || !received.allFinite() || !(interval_s >= 0) || !std::isfinite(interval_s)) {
       throw py::value_error("position, numbers and interval_s must be finite, and the interval >= 0 s");
     }
-    return array_of(law_->place({at, heard, interval_s}));
+    return array_of(law_->place({at, received, interval_s}));
   }
 
   py::tuple answer(py::handle force_N) {
     const Vector force = vector_from(force_N, rows_, "force_N");
     if (!force.allFinite()) throw py::value_error("force_N must be finite");
-    const control::ServerSideLaw::Said said = law_->answer(force);
-    return py::make_tuple(array_of(said.force), array_of(said.numbers.data(), said.numbers.rows()));
+    const control::ServerSideLaw::Reply reply = law_->answer(force);
+    return py::make_tuple(array_of(reply.force), array_of(reply.numbers.data(), reply.numbers.rows()));
   }
 
  private:

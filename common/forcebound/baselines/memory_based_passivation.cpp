@@ -125,7 +125,7 @@ class MemoryBasedPassivation final : public control::PassivityLaw {
     if (!control::is_measurable(motion.interval_s) || motion.held_s < motion.interval_s) lose(motion);
     const auto d = held_.displacement(motion);
     displacement_ = d ? *d : Vector::Zero(motion.position.rows());
-    note_step();
+    update_path();
     held_.begin(motion);
   }
 
@@ -162,7 +162,7 @@ class MemoryBasedPassivation final : public control::PassivityLaw {
   }
 
   /// Adds what was pressed to the path, or removes what was released, in the interval that ended.
-  void note_step() noexcept {
+  void update_path() noexcept {
     if (normal_.rows() == 0) return;
     const double pressed_m = -normal_.dot(displacement_);
     const double force_N = std::max(0.0, held_.force().dot(normal_));

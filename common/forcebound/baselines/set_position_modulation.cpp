@@ -16,7 +16,7 @@ namespace {
 class Range {
  public:
   void begin(const Vector& position) noexcept { least_ = most_ = position; }
-  void note(const Vector& position) noexcept {
+  void extend(const Vector& position) noexcept {
     if (least_.rows() != position.rows()) begin(position);
     least_ = least_.cwiseMin(position);
     most_ = most_.cwiseMax(position);
@@ -76,7 +76,7 @@ class SetPositionModulation final : public control::PassivityLaw {
     if (!position_known_ || place_.rows() == 0) set_position_ = motion.position;
     position_known_ = true;
     position_ = motion.position;
-    range_.note(position_);
+    range_.extend(position_);
     since_last_s_ += ended.interval_s;
   }
 
@@ -102,7 +102,7 @@ class SetPositionModulation final : public control::PassivityLaw {
     return control::ServerLawNumbers::Constant(1, sent_.value_J());
   }
   void incoming(const control::ServerLawNumbers& numbers) noexcept override {
-    energy_.add(from_server_.hear(number_at(numbers, 0)));
+    energy_.add(from_server_.receive(number_at(numbers, 0)));
     place_ = numbers.rows() > 1 && numbers.rows() <= 1 + control::kDofMax ? Vector(numbers.tail(numbers.rows() - 1))
                                                                           : Vector();
     came_ = true;
@@ -164,13 +164,13 @@ class SetPositionModulation final : public control::PassivityLaw {
 /// energy on, so this law is a store that is always full and returns what it is sent.
 class SetPositionServerSideLaw final : public control::ServerSideLaw {
  public:
-  [[nodiscard]] Vector place(const Heard& heard) noexcept override {
-    sent_.add(from_device_.hear(number_at(heard.numbers, 0)));
-    place_ = heard.position;
+  [[nodiscard]] Vector place(const Received& received) noexcept override {
+    sent_.add(from_device_.receive(number_at(received.numbers, 0)));
+    place_ = received.position;
     return place_;
   }
 
-  [[nodiscard]] Said answer(const Vector& force_N) noexcept override {
+  [[nodiscard]] Reply answer(const Vector& force_N) noexcept override {
     control::ServerLawNumbers numbers(1 + place_.rows());
     numbers << sent_.value_J(), place_;
     return {.force = force_N, .numbers = numbers};

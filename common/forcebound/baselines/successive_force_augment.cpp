@@ -77,7 +77,7 @@ class SuccessiveForceAugment final : public control::PassivityLaw {
     const Vector normal = request_N.stableNormalized();
     const double wanted_N = request_N.stableNorm();
     const double pressed_m = -normal.dot(displacement_);
-    note_stiffness(wanted_N);
+    update_shown_stiffness(wanted_N);
     if (spring_N_per_m_ > 0 && normal.dot(normal_) > 0) {
       follow(pressed_m, wanted_N);
     } else {
@@ -105,7 +105,7 @@ class SuccessiveForceAugment final : public control::PassivityLaw {
     force_N_ = 0;
   }
 
-  void note_stiffness(double wanted_N) noexcept {
+  void update_shown_stiffness(double wanted_N) noexcept {
     const double moved_m = *std::ranges::max_element(steps_);
     if (moved_m > kStepLeast_m) {
       shown_N_per_m_ = std::max(shown_N_per_m_, std::abs(wanted_N - wanted_N_) / moved_m);

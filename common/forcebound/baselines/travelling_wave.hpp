@@ -44,19 +44,19 @@ class ReceivedWave {
 
   void begin_at_zero(Eigen::Index dof) noexcept {
     energy_.begin_at_zero();
-    heard_ = rest_ = Vector::Zero(dof);
+    newest_ = rest_ = Vector::Zero(dof);
   }
 
-  void hear(const control::ServerLawNumbers& numbers, Eigen::Index at) noexcept {
+  void receive(const control::ServerLawNumbers& numbers, Eigen::Index at) noexcept {
     const Eigen::Index dof = rest_.rows();
     if (numbers.rows() < at + 1 + dof) return;
     const Vector integral = numbers.segment(at + 1, dof);
-    const double news_J = energy_.hear(numbers[at]);
-    if (heard_.rows() != dof) heard_ = integral;
+    const double news_J = energy_.receive(numbers[at]);
+    if (newest_.rows() != dof) newest_ = integral;
     if (!(news_J > 0)) return;
     budget_.add(news_J);
-    rest_ += integral - heard_;
-    heard_ = integral;
+    rest_ += integral - newest_;
+    newest_ = integral;
   }
 
   /// The wave over the coming interval, such that the rest would last for `spread_s` if no more came.
@@ -77,8 +77,8 @@ class ReceivedWave {
  private:
   RemoteSum energy_;
   control::EnergySum budget_;
-  Vector heard_;  // integral
-  Vector rest_;   // of the integral, not taken yet
+  Vector newest_;  // integral
+  Vector rest_;    // of the integral, not taken yet
 };
 
 /// Impedance b_w of the wave [N s/m]. F is the paper's force, v goes with it: b_w v + F = sqrt(2 b_w) u.

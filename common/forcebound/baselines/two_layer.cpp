@@ -96,7 +96,7 @@ class TwoLayer final : public control::PassivityLaw {
     return numbers;
   }
   void incoming(const control::ServerLawNumbers& numbers) noexcept override {
-    tank_.add(from_server_.hear(number_at(numbers, 0)));
+    tank_.add(from_server_.receive(number_at(numbers, 0)));
   }
   void begin_server_side() noexcept override { from_server_.begin_at_zero(); }
 
@@ -135,23 +135,23 @@ class TwoLayer final : public control::PassivityLaw {
 /// Where the tank is empty the position goes no deeper; it catches up later, so that no drift remains.
 class TwoLayerServerSideLaw final : public control::ServerSideLaw {
  public:
-  [[nodiscard]] Vector place(const Heard& heard) noexcept override {
-    tank_.add(from_device_.hear(number_at(heard.numbers, 0)));
-    share_ = std::clamp(number_at(heard.numbers, 1), 0.0, 1.0);
-    if (place_.rows() != heard.position.rows()) {
-      place_ = heard.position;
-      force_ = Vector::Zero(heard.position.rows());
+  [[nodiscard]] Vector place(const Received& received) noexcept override {
+    tank_.add(from_device_.receive(number_at(received.numbers, 0)));
+    share_ = std::clamp(number_at(received.numbers, 1), 0.0, 1.0);
+    if (place_.rows() != received.position.rows()) {
+      place_ = received.position;
+      force_ = Vector::Zero(received.position.rows());
     }
-    const Vector d = heard.position - place_;
+    const Vector d = received.position - place_;
     const double into_J = -force_.dot(d);
     const double kept_back_J = into_J - std::max(0.0, tank_.level_J());
     place_ += keeping_back(d, force_, kept_back_J);
     tank_.add(-(into_J - std::max(0.0, kept_back_J)));
-    if (!place_.allFinite()) place_ = heard.position;
+    if (!place_.allFinite()) place_ = received.position;
     return place_;
   }
 
-  [[nodiscard]] Said answer(const Vector& force_N) noexcept override {
+  [[nodiscard]] Reply answer(const Vector& force_N) noexcept override {
     force_ = force_N;
     tank_.send(share_);
     return {.force = force_N, .numbers = control::ServerLawNumbers::Constant(1, tank_.sent_J())};

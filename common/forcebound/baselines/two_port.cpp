@@ -5,7 +5,7 @@
 
 namespace forcebound::baselines {
 
-double RemoteSum::hear(double sum) noexcept {
+double RemoteSum::receive(double sum) noexcept {
   if (!largest_) {
     largest_ = sum;
     return 0;

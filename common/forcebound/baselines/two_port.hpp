@@ -16,7 +16,7 @@ class RemoteSum {
  public:
   /// The increase of `sum` over all received before; never negative. The first one gives zero, unless the other end is
   /// known to have begun at zero.
-  double hear(double sum) noexcept;
+  double receive(double sum) noexcept;
 
   void begin_at_zero() noexcept { largest_ = 0; }
 

@@ -86,7 +86,7 @@ class TwoPortPassivity final : public control::PassivityLaw {
     return control::ServerLawNumbers::Constant(1, in_.value_J());
   }
   void incoming(const control::ServerLawNumbers& numbers) noexcept override {
-    allowance_.add(from_server_.hear(number_at(numbers, 0)));
+    allowance_.add(from_server_.receive(number_at(numbers, 0)));
   }
   void begin_server_side() noexcept override { from_server_.begin_at_zero(); }
 
@@ -113,14 +113,14 @@ class TwoPortPassivity final : public control::PassivityLaw {
 /// which is the cost of this law.
 class TwoPortServerSideLaw final : public control::ServerSideLaw {
  public:
-  [[nodiscard]] Vector place(const Heard& heard) noexcept override {
-    available_.add(from_device_.hear(number_at(heard.numbers, 0)));
-    if (place_.rows() != heard.position.rows()) {
-      place_ = device_ = heard.position;
-      force_ = Vector::Zero(heard.position.rows());
+  [[nodiscard]] Vector place(const Received& received) noexcept override {
+    available_.add(from_device_.receive(number_at(received.numbers, 0)));
+    if (place_.rows() != received.position.rows()) {
+      place_ = device_ = received.position;
+      force_ = Vector::Zero(received.position.rows());
     }
-    const Vector d = heard.position - device_;
-    device_ = heard.position;
+    const Vector d = received.position - device_;
+    device_ = received.position;
     const double into_J = -force_.dot(d);
     if (!std::isfinite(into_J)) {
       place_ = device_;  // an overflow is a fault, not a motion
@@ -136,7 +136,7 @@ class TwoPortServerSideLaw final : public control::ServerSideLaw {
     return place_;
   }
 
-  [[nodiscard]] Said answer(const Vector& force_N) noexcept override {
+  [[nodiscard]] Reply answer(const Vector& force_N) noexcept override {
     force_ = force_N;
     return {.force = force_N, .numbers = control::ServerLawNumbers::Constant(1, in_.value_J())};
   }

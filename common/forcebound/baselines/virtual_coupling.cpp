@@ -75,7 +75,7 @@ class VirtualCoupling final : public control::PassivityLaw {
 
   [[nodiscard]] Vector bound(const Vector& request_N) noexcept override {
     if (!held_.known()) return Vector::Zero(request_N.rows());
-    note_contact(request_N);
+    update_contact(request_N);
     if (quiet_ticks_ > kTicks) {
       ride();
       return Vector::Zero(request_N.rows());
@@ -120,7 +120,7 @@ class VirtualCoupling final : public control::PassivityLaw {
     quiet_ticks_ = kTicks + 1;
   }
 
-  void note_contact(const Vector& request_N) noexcept {
+  void update_contact(const Vector& request_N) noexcept {
     const double largest = request_N.lpNorm<Eigen::Infinity>();
     quiet_ticks_ = largest > 0 ? 0 : quiet_ticks_ + 1;
     if (largest > 0) normal_ = (request_N / largest).normalized();

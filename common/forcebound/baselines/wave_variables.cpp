@@ -104,7 +104,7 @@ class WaveVariables final : public control::PassivityLaw {
     return numbers;
   }
   void incoming(const control::ServerLawNumbers& numbers) noexcept override {
-    received_.hear(numbers, 0);
+    received_.receive(numbers, 0);
     if (server_side_speaks_) pause_s_ = std::max(pause_s_, blackout_s_);
     server_side_speaks_ = true;
     blackout_s_ = 0;
@@ -154,23 +154,23 @@ class WaveVariables final : public control::PassivityLaw {
 /// taken up in the steps that follow.
 class WaveServerSideLaw final : public control::ServerSideLaw {
  public:
-  [[nodiscard]] Vector place(const Heard& heard) noexcept override {
-    const control::ServerLawNumbers& said = heard.numbers;
-    const WaveCoding coding{number_at(said, kImpedance)};
-    const bool sane = coding.impedance_N_s_per_m > 0 && number_at(said, kTool) > 0 && number_at(said, kSpring) >= 0 &&
-                      number_at(said, kDamper) >= 0;
-    if (place_.rows() != heard.position.rows() || !sane) begin(heard.position);
+  [[nodiscard]] Vector place(const Received& received) noexcept override {
+    const control::ServerLawNumbers& numbers = received.numbers;
+    const WaveCoding coding{number_at(numbers, kImpedance)};
+    const bool sane = coding.impedance_N_s_per_m > 0 && number_at(numbers, kTool) > 0 &&
+                      number_at(numbers, kSpring) >= 0 && number_at(numbers, kDamper) >= 0;
+    if (place_.rows() != received.position.rows() || !sane) begin(received.position);
     if (!sane) return place_;
-    received_.hear(said, kWave);
-    const double h = std::min(heard.interval_s, kStep_s_max);
-    if (control::is_measurable(h)) step(coding, said, h);
+    received_.receive(numbers, kWave);
+    const double h = std::min(received.interval_s, kStep_s_max);
+    if (control::is_measurable(h)) step(coding, numbers, h);
     moved_m_ = (place_ - before_).stableNorm();
     before_ = place_;
-    if (!place_.allFinite() || !wanted_.allFinite() || !velocity_.allFinite()) begin(heard.position);
+    if (!place_.allFinite() || !wanted_.allFinite() || !velocity_.allFinite()) begin(received.position);
     return place_;
   }
 
-  [[nodiscard]] Said answer(const Vector& force_N) noexcept override {
+  [[nodiscard]] Reply answer(const Vector& force_N) noexcept override {
     const double stiffness_N_per_m = (force_N - force_).stableNorm() / moved_m_;
     if (moved_m_ > 0 && std::isfinite(stiffness_N_per_m)) stiffness_ = std::max(stiffness_, stiffness_N_per_m);
     force_ = force_N;
@@ -190,11 +190,11 @@ class WaveServerSideLaw final : public control::ServerSideLaw {
     received_.begin(position.rows());
   }
 
-  void step(const WaveCoding& coding, const control::ServerLawNumbers& said, double h) noexcept {
+  void step(const WaveCoding& coding, const control::ServerLawNumbers& numbers, double h) noexcept {
     const double b = coding.impedance_N_s_per_m;
-    const double kd = said[kSpring];
-    const double m = said[kTool];
-    const double g = said[kDamper] + h * kd;  // effective damping of spring and damper in an implicit step
+    const double kd = numbers[kSpring];
+    const double m = numbers[kTool];
+    const double g = numbers[kDamper] + h * kd;  // effective damping of spring and damper in an implicit step
     const Vector u = received_.take(h, h);
     received_.spend(u.squaredNorm() / 2 * h);
     const Vector pushed = coding.root() * u;

@@ -183,17 +183,17 @@ std::string no_memory(const ChildLimits& limits) {
 
 std::string in_child(const std::function<std::string()>& work, const ChildLimits& limits) {
   Child child(work, limits);
-  std::string said = child.read_all(limits);
+  std::string output = child.read_all(limits);
   const int status = child.wait();
-  if (said.empty() || WIFSIGNALED(status)) {
+  if (output.empty() || WIFSIGNALED(status)) {
     const char* const signal = WIFSIGNALED(status) ? ::strsignal(WTERMSIG(status)) : "no answer";
     throw std::runtime_error("ends the process that does it: " + std::string(signal));
   }
-  const char kind = said.front();
-  said.erase(0, 1);
+  const char kind = output.front();
+  output.erase(0, 1);
   if (kind == kNoMemory) throw std::runtime_error(no_memory(limits));
-  if (kind != kAnswer) throw std::runtime_error(said.empty() ? "fails" : said);
-  return said;
+  if (kind != kAnswer) throw std::runtime_error(output.empty() ? "fails" : output);
+  return output;
 }
 
 }  // namespace forcebound::child

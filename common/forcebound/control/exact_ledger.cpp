@@ -55,7 +55,7 @@ ExactLedger::ExactLedger(const DeviceFacts& facts, double offset_s)
       committed_(latest_mid_) {}
 
 void ExactLedger::pass(const Motion& motion) noexcept {
-  note_command(motion);
+  queue_command(motion);
   stamps_.pass(motion.interval_s);
   if (!is_measurable(motion.interval_s)) {
     charge_all();
@@ -90,7 +90,7 @@ void ExactLedger::read(const Vector& joint) noexcept {
 }
 
 /// Puts the force committed last among those on their way, with what the motion and the facts tell of its times.
-void ExactLedger::note_command(const Motion& motion) noexcept {
+void ExactLedger::queue_command(const Motion& motion) noexcept {
   // Proof, A6, A7 and A8: when it takes effect and ends, and that what is not said to have failed is carried out in
   // order.
   Bracket effect_s = times_.effect(motion);

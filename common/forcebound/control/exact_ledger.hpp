@@ -94,7 +94,7 @@ class ExactLedger {
   }
 
   [[nodiscard]] LeastEnergy::Tube tube(Eigen::Index joint, double reading) const noexcept;
-  void note_command(const Motion& motion) noexcept;
+  void queue_command(const Motion& motion) noexcept;
   void let_act(double duration_s, double stretch) noexcept;
   void charge_between(const Vector& jumps, double passed_s) noexcept;
   void charge_all() noexcept;

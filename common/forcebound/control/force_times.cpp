@@ -65,8 +65,8 @@ double ForceTimes::commanded(const Motion& motion) const noexcept {
   return true_time(motion.latency_s - latency_facts_s_).least;
 }
 
-bool ForceTimes::before_command(const Motion& motion, const Bracket& told_s) const noexcept {
-  return told_s.most < commanded(motion) - kTimeRounding_s;
+bool ForceTimes::before_command(const Motion& motion, const Bracket& reported_s) const noexcept {
+  return reported_s.most < commanded(motion) - kTimeRounding_s;
 }
 
 bool ForceTimes::effect_is_told(const Motion& motion) const noexcept {
@@ -77,19 +77,19 @@ bool ForceTimes::effect_is_told(const Motion& motion) const noexcept {
 Bracket ForceTimes::effect(const Motion& motion) const noexcept {
   if (!effect_is_told(motion)) return effect_by_facts(motion, offset_s_);
   const Bracket facts_s = effect_by_facts(motion, offsets_s_);
-  Bracket told_s = later(motion.effect_s, stamp_s_);
+  Bracket reported_s = later(motion.effect_s, stamp_s_);
   const double commanded_s = std::max(0.0, commanded(motion));
-  told_s = {std::max(told_s.least, commanded_s), std::max(told_s.most, commanded_s)};
-  if (!apart(told_s, facts_s)) return told_s;
+  reported_s = {std::max(reported_s.least, commanded_s), std::max(reported_s.most, commanded_s)};
+  if (!apart(reported_s, facts_s)) return reported_s;
   // What is reported has happened before the reading at which it is.
   const double now_s = true_time(motion.interval_s).most + std::max(0.0, stamp_s_.most);
-  return {std::min(told_s.least, facts_s.least), std::max(std::min(told_s.most, now_s), facts_s.most)};
+  return {std::min(reported_s.least, facts_s.least), std::max(std::min(reported_s.most, now_s), facts_s.most)};
 }
 
 bool ForceTimes::effect_is_outside_facts(const Motion& motion) const noexcept {
   if (std::isnan(motion.effect_s)) return false;
-  const Bracket told_s = later(motion.effect_s, stamp_s_);
-  return before_command(motion, told_s) || apart(told_s, effect_by_facts(motion, offsets_s_));
+  const Bracket reported_s = later(motion.effect_s, stamp_s_);
+  return before_command(motion, reported_s) || apart(reported_s, effect_by_facts(motion, offsets_s_));
 }
 
 ReleaseStages ForceTimes::release(const Motion& motion, const Bracket& begin_s) const noexcept {
@@ -110,17 +110,17 @@ bool ForceTimes::release_is_outside_facts(const Motion& motion) const noexcept {
 ReleaseStages ForceTimes::reported_release(const Bracket& at_s, const Bracket& begin_s) const noexcept {
   ReleaseStages release = release_by_facts_;
   const Bracket facts_s = release.full_s;
-  const Bracket told_s = after_effect(at_s, begin_s);
+  const Bracket reported_s = after_effect(at_s, begin_s);
   if (at_s.most < begin_s.least - kTimeRounding_s) return release;  // before the effect
   if (apart({at_s.least - begin_s.most, at_s.most - begin_s.least}, facts_s)) {
     const double part_s = longest_release_.part_s.most - longest_release_.full_s.most;
-    release.full_s = {std::min(told_s.least, facts_s.least), std::max(told_s.most, facts_s.most)};
-    release.part_s = {release.full_s.least, std::max(release.part_s.most, told_s.most + part_s)};
+    release.full_s = {std::min(reported_s.least, facts_s.least), std::max(reported_s.most, facts_s.most)};
+    release.part_s = {release.full_s.least, std::max(release.part_s.most, reported_s.most + part_s)};
   } else {
     const bool maybe_early = at_s.least - begin_s.most < facts_s.least - kTimeRounding_s;
-    release.full_s = {maybe_early ? told_s.least : std::max(told_s.least, facts_s.least),
-                      std::min(told_s.most, facts_s.most)};
-    release.part_s.least = maybe_early ? told_s.least : std::max(release.part_s.least, release.full_s.least);
+    release.full_s = {maybe_early ? reported_s.least : std::max(reported_s.least, facts_s.least),
+                      std::min(reported_s.most, facts_s.most)};
+    release.part_s.least = maybe_early ? reported_s.least : std::max(release.part_s.least, release.full_s.least);
   }
   // Rounding leaves no time in which there is neither the force nor its release.
   release.full_s.most = std::max(release.full_s.most, begin_s.least + release.full_s.least - begin_s.most);

@@ -47,7 +47,7 @@ class ForceTimes {
   [[nodiscard]] Bracket later(double shown_s, const Bracket& by_s) const noexcept;
   [[nodiscard]] Bracket effect_by_facts(const Motion& motion, const Bracket& offset_s) const noexcept;
   [[nodiscard]] double commanded(const Motion& motion) const noexcept;
-  [[nodiscard]] bool before_command(const Motion& motion, const Bracket& told_s) const noexcept;
+  [[nodiscard]] bool before_command(const Motion& motion, const Bracket& reported_s) const noexcept;
   [[nodiscard]] ReleaseStages reported_release(const Bracket& at_s, const Bracket& begin_s) const noexcept;
 
   ReleaseStages longest_release_;

@@ -60,15 +60,15 @@ class HeldTorques {
               .plain = true,
               .settled = settled};
     if (!certain) {
-      next.take_in(newest());
-      next.take_in({.mid = zero_, .spread = zero_});
+      next.merge(newest());
+      next.merge({.mid = zero_, .spread = zero_});
     }
     if (last_ < kWaitingMax) {
       at(++last_) = next;
       return;
     }
     const Held before = newest();
-    newest().take_in(next);
+    newest().merge(next);
     newest().begin_s = {before.begin_s.least, next.begin_s.most};
     // From the earlier beginning to the earlier release, and from the later one to the later.
     const double later_s = next.begin_s.least - before.begin_s.least;
@@ -165,7 +165,7 @@ class HeldTorques {
     bool settled = false;  ///< `settle` leaves it as it is
 
     /// Widens the band so that it holds another one's too.
-    void take_in(const Held& other) noexcept {
+    void merge(const Held& other) noexcept {
       const Vector low = (mid - spread).cwiseMin(other.mid - other.spread);
       const Vector high = (mid + spread).cwiseMax(other.mid + other.spread);
       mid = 0.5 * (low + high);
@@ -232,7 +232,7 @@ class HeldTorques {
           }
           shares = shares_at(at(i), now_s);
           next_s = std::min(next_s, shares.until_s);
-          hull.take_in(scaled(at(i), shares));
+          hull.merge(scaled(at(i), shares));
         }
         visit(hull.mid, hull.spread, next_s - now_s);
       }
@@ -254,8 +254,7 @@ class HeldTorques {
 
   [[nodiscard]] static Held scaled(const Held& held, const Shares& shares) noexcept {
     Held most{.mid = shares.most * held.mid, .spread = shares.most * held.spread};
-    if (shares.least < shares.most)
-      most.take_in({.mid = shares.least * held.mid, .spread = shares.least * held.spread});
+    if (shares.least < shares.most) most.merge({.mid = shares.least * held.mid, .spread = shares.least * held.spread});
     return most;
   }
 

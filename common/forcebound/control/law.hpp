@@ -67,7 +67,7 @@ using ServerLawNumbers = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 16, 1>;
 ///
 /// A tick calls, in this order: `credit` with the motion since the last one, `bound` with what the environment asks
 /// for, `commit` with what the device was really told after rounding. A lost reading is `lose`, then `commit` of zero.
-/// PassivityController does that; laws hold no policy of their own for saturation, rounding or faulty input.
+/// ForceBounder does that; laws hold no policy of their own for saturation, rounding or faulty input.
 ///
 /// A law with a server-side law (ServerSideLaw) names it by `server_law`. What goes out with each motion is `outgoing`,
 /// what comes with each force that is newer than all before is `incoming`, ahead of that tick's `credit`.
@@ -91,7 +91,7 @@ class PassivityLaw {
   virtual void lose(const Motion& motion) noexcept = 0;
 
   /// The force that the law makes of `request_N`; of a law that only bounds, the nearest that it allows now. Once a
-  /// tick. It need not keep to what the device can be asked for: the controller shortens it, and commits that.
+  /// tick. It need not keep to what the device can be asked for: ForceBounder shortens it, and commits that.
   [[nodiscard]] virtual Vector bound(const Vector& request_N) noexcept = 0;
 
   /// Whether this very force, say after rounding, is allowed now, if it takes effect `latency_s` after the reading. A

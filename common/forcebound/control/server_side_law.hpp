@@ -16,22 +16,22 @@ class ServerSideLaw {
  public:
   virtual ~ServerSideLaw() = default;
 
-  struct Heard {
+  struct Received {
     const Vector& position;           ///< of the device [m]
     const ServerLawNumbers& numbers;  ///< from the law at the device; any finite numbers, of any count
     double interval_s;                ///< by the device's clock since the motion before; 0 at first
   };
 
-  struct Said {
+  struct Reply {
     Vector force;              ///< [N] for the law at the device, `dof` rows
     ServerLawNumbers numbers;  ///< for the law at the device
   };
 
   /// Where the environment is to be asked [m], `dof` rows.
-  [[nodiscard]] virtual Vector place(const Heard& heard) noexcept = 0;
+  [[nodiscard]] virtual Vector place(const Received& received) noexcept = 0;
 
   /// @param force_N what the environment answered there
-  [[nodiscard]] virtual Said answer(const Vector& force_N) noexcept = 0;
+  [[nodiscard]] virtual Reply answer(const Vector& force_N) noexcept = 0;
 };
 
 }  // namespace forcebound::control

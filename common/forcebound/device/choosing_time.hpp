@@ -20,7 +20,7 @@ class ChoosingTime {
  public:
   explicit ChoosingTime(Nanoseconds period) noexcept : most_(std::max(kLeast, period / 2)) {}
 
-  void note(Nanoseconds took) noexcept { longest_ = std::max(std::min(took, most_), longest_ - longest_ / 20); }
+  void add(Nanoseconds took) noexcept { longest_ = std::max(std::min(took, most_), longest_ - longest_ / 20); }
 
   [[nodiscard]] Nanoseconds allowed() const noexcept { return std::clamp(longest_ + longest_ / 2, kLeast, most_); }
 

@@ -40,7 +40,7 @@ Vector CommandTimes::with_rotations(const Reading& reading) const noexcept {
 }
 
 double CommandTimes::command_at(const Reading& reading, Nanoseconds now) noexcept {
-  choosing_.note(now - choosing_since_);
+  choosing_.add(now - choosing_since_);
   if (device_.facts().rotations > 0 && reading.handle.orientation) {
     turned_rad_ = with_rotations(reading).tail<3>();
     pose_ = control::quaternion_of(*reading.handle.orientation);

@@ -31,7 +31,7 @@ class RepeatedReadings {
   explicit RepeatedReadings(const Vector& encoder_step) noexcept : step_(encoder_step) {}
 
   /// @param joint a usable reading @param elapsed_s since the one before, > 0
-  void note(const Vector& joint, double elapsed_s) noexcept {
+  void add(const Vector& joint, double elapsed_s) noexcept {
     const bool begins = past_.front().joint.rows() != joint.rows();
     if (begins) past_.fill({.time_s = time_s_, .joint = joint});
     if (!begins) time_s_ += elapsed_s;

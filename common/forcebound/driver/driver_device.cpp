@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kTranslationsMost = 3;
 
-forcebound_facts told_by(OpenedDriver& opened) {
+forcebound_facts facts_reported_by(OpenedDriver& opened) {
   forcebound_facts told{};
   told.size = sizeof told;
   if (opened.call("describe", opened.functions().describe, &told) != FORCEBOUND_OK) {
@@ -59,7 +59,7 @@ device::Safety own_safety(const device::RealDevice& own, const forcebound_facts&
 DriverDevice::DriverDevice(std::shared_ptr<const DriverLibrary> library, const DriverRequest& request,
                            std::optional<device::RealDevice> own)
     : opened_(std::move(library), request) {
-  const forcebound_facts told = told_by(opened_);
+  const forcebound_facts told = facts_reported_by(opened_);
   identified_ = told.identified != 0;
   facts_ = facts_of(told, driver().name);
   safety_ = safety_of(told, facts_, driver().name);
@@ -100,11 +100,11 @@ device::Reading DriverDevice::read(Nanoseconds now) noexcept {
   forcebound_reading told{};
   told.size = sizeof told;
   const int result = opened_.call("read", driver().read, now.count(), &told);
-  if (result == FORCEBOUND_OK || result == FORCEBOUND_STALE) note_reports(told);
+  if (result == FORCEBOUND_OK || result == FORCEBOUND_STALE) store_reports(told);
   if (result == FORCEBOUND_OK) return reading_of(told, now);
   if (result == FORCEBOUND_STALE) return without_reading(device::Reading::Status::stale);
   const bool unplugged = result == FORCEBOUND_UNPLUGGED;
-  const bool explained = opened_.note_failure(unplugged ? "the device is unplugged" : "no reading");
+  const bool explained = opened_.store_failure(unplugged ? "the device is unplugged" : "no reading");
   if (!explained && !unplugged) ++counters_.unexplained;
   return without_reading(device::Reading::Status::failed);
 }
@@ -131,7 +131,7 @@ device::Reading DriverDevice::reading_of(const forcebound_reading& told, Nanosec
   reading.handle = handle.handle;
   if (handle.refused > 0) {
     counters_.handle_refused += static_cast<std::uint64_t>(handle.refused);
-    opened_.note_error("its orientation is no unit quaternion, or its gripper is not within 0 to 1");
+    opened_.store_error("its orientation is no unit quaternion, or its gripper is not within 0 to 1");
   }
   const device::Reading::Status status = device::status_of(reading, dof, facts_.joints(), facts_.rotations);
   if (status != device::Reading::Status::ok) return without_reading(status);
@@ -140,7 +140,7 @@ device::Reading DriverDevice::reading_of(const forcebound_reading& told, Nanosec
 }
 
 /// Reports of the last command, as far as they can be true.
-void DriverDevice::note_reports(const forcebound_reading& told) noexcept {
+void DriverDevice::store_reports(const forcebound_reading& told) noexcept {
   if ((told.has & FORCEBOUND_HAS_EFFECTIVE) == 0) return;
   effective_at_ = told.effective_ns > 0 ? std::optional(Nanoseconds{told.effective_ns}) : std::nullopt;
   released_at_ = told.released_ns > 0 ? std::optional(Nanoseconds{told.released_ns}) : std::nullopt;
@@ -148,7 +148,7 @@ void DriverDevice::note_reports(const forcebound_reading& told) noexcept {
 
 device::Reading DriverDevice::without_reading(device::Reading::Status status) noexcept {
   const bool told = status == device::Reading::Status::stale || status == device::Reading::Status::failed;
-  if (!told) opened_.note_error(control::why(status));
+  if (!told) opened_.store_error(control::why(status));
   const int dof = facts_.degrees_of_freedom();
   return {.joint = Vector::Zero(dof),
           .position = Vector::Zero(facts_.translations()),
@@ -175,7 +175,7 @@ void DriverDevice::apply(Nanoseconds now, const Vector& force_N) noexcept {
   write_failed_ = result != FORCEBOUND_OK;
   if (!write_failed_) return;
   ++counters_.failed_writes;
-  const bool explained = opened_.note_failure("the command failed");
+  const bool explained = opened_.store_failure("the command failed");
   if (!explained && result != FORCEBOUND_UNPLUGGED) ++counters_.unexplained;
 }
 

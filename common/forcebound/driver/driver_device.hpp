@@ -50,7 +50,7 @@ class DriverDevice final : public device::HapticDevice {
   [[nodiscard]] const forcebound_driver& driver() const noexcept { return opened_.functions(); }
   [[nodiscard]] device::Reading without_reading(device::Reading::Status status) noexcept;
   [[nodiscard]] device::Reading reading_of(const forcebound_reading& told, Nanoseconds now) noexcept;
-  void note_reports(const forcebound_reading& told) noexcept;
+  void store_reports(const forcebound_reading& told) noexcept;
 
   OpenedDriver opened_;
   control::DeviceFacts facts_;

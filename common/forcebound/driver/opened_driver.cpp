@@ -43,7 +43,7 @@ OpenedDriver::~OpenedDriver() {
 void OpenedDriver::start() {
   const ThreadsOfDriver threads;
   if (call("start", functions().start) == FORCEBOUND_OK) return;
-  (void)note_failure("does not start");
+  (void)store_failure("does not start");
   throw std::runtime_error("driver '" + std::string(functions().name) + "': " + std::string(last_error()));
 }
 
@@ -67,13 +67,13 @@ void OpenedDriver::stop_at_crash() noexcept {
   if (was_in_use) (void)stop();
 }
 
-void OpenedDriver::note_error(std::string_view text) noexcept {
+void OpenedDriver::store_error(std::string_view text) noexcept {
   error_bytes_ = std::min(text.size(), error_.size());
   std::copy_n(text.begin(), error_bytes_, error_.begin());
 }
 
-bool OpenedDriver::note_failure(std::string_view otherwise) noexcept {
-  if (noted_) return true;
+bool OpenedDriver::store_failure(std::string_view otherwise) noexcept {
+  if (error_stored_) return true;
   const CallInProgress in_progress(functions().name, "last_error");
   const char* text = nullptr;
   try {
@@ -84,7 +84,7 @@ bool OpenedDriver::note_failure(std::string_view otherwise) noexcept {
   const bool told = text != nullptr && *text != '\0';
   std::string_view words = told ? std::string_view(text, ::strnlen(text, error_.size())) : otherwise;
   while (words.ends_with('\n')) words.remove_suffix(1);
-  note_error(words);
+  store_error(words);
   text::make_printable({error_.data(), error_bytes_});
   return told;
 }

@@ -37,18 +37,18 @@ class OpenedDriver {
   template <class... Arguments>
   int call(const char* name, int (*function)(forcebound_device*, Arguments...), Arguments... arguments) noexcept {
     const InUse in_use(in_use_);
-    noted_ = true;
+    error_stored_ = true;
     if (has_crashed()) {
-      note_error("its driver has crashed");
+      store_error("its driver has crashed");
       return FORCEBOUND_FAILED;
     }
     const CallInProgress in_progress(functions().name, name);
     try {
       const int result = function(device_, arguments...);
-      noted_ = false;
+      error_stored_ = false;
       return result;
     } catch (...) {
-      note_error("the driver threw an exception");
+      store_error("the driver threw an exception");
       return FORCEBOUND_FAILED;
     }
   }
@@ -56,11 +56,11 @@ class OpenedDriver {
   /// Of any thread. @return false: a driver in C++ threw
   bool stop() noexcept;
 
-  void note_error(std::string_view text) noexcept;
+  void store_error(std::string_view text) noexcept;
 
   /// Notes the driver's own reason after a call that failed, in one line, or `otherwise`.
   /// @returns whether the driver gave one, or threw
-  bool note_failure(std::string_view otherwise) noexcept;
+  bool store_failure(std::string_view otherwise) noexcept;
 
   [[nodiscard]] std::string_view last_error() const noexcept { return {error_.data(), error_bytes_}; }
 
@@ -77,7 +77,7 @@ class OpenedDriver {
 
   std::shared_ptr<const DriverLibrary> library_;
   forcebound_device* device_ = nullptr;
-  bool noted_ = false;  // why the last call failed
+  bool error_stored_ = false;  // why the last call failed
   std::array<char, FORCEBOUND_TEXT_BYTES> error_{};
   std::size_t error_bytes_ = 0;
   std::atomic<bool> in_use_{false};

@@ -77,7 +77,7 @@ GeometryAssembly::GeometryAssembly(const v1::Geometry& geometry, std::size_t fir
   triangles_.assign(geometry.triangles(), {kUnknown, kUnknown, kUnknown});
 }
 
-void GeometryAssembly::take(std::size_t number, std::span<const std::byte> bytes) {
+void GeometryAssembly::add(std::size_t number, std::span<const std::byte> bytes) {
   const std::size_t place = number - first_;
   const Hash hash = hash_of(bytes);
   if (!std::equal(
@@ -91,22 +91,22 @@ void GeometryAssembly::take(std::size_t number, std::span<const std::byte> bytes
   if (!piece.ParseFromArray(bytes.data(), static_cast<int>(bytes.size())))
     throw HandoverError("piece " + std::to_string(number) + " cannot be read");
   if (is_mesh()) {
-    take_triangles(mesh, place);
+    add_triangles(mesh, place);
   } else {
-    take_heights(heights, place);
+    add_heights(heights, place);
   }
   contents_[place].assign(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   ++here_;
 }
 
-void GeometryAssembly::take_triangles(const v1::MeshPiece& piece, std::size_t number_of_piece) {
+void GeometryAssembly::add_triangles(const v1::MeshPiece& piece, std::size_t number_of_piece) {
   const auto wrong = [] { throw HandoverError("a piece of a mesh contradicts itself or the manifest"); };
   std::vector<std::uint32_t> vertices;
   std::uint64_t number = 0;
   // Where it is missing shows by its box. Half a step for rounding.
-  const Box told_m = mesh_box_m(number_of_piece);
+  const Box reported_m = mesh_box_m(number_of_piece);
   const Point rounding_m = 0.5 / kBoxSteps * frame_.box_m.sizes();
-  const Box box_m(told_m.min() - rounding_m, told_m.max() + rounding_m);
+  const Box box_m(reported_m.min() - rounding_m, reported_m.max() + rounding_m);
   if (piece.position_size() != 3 * piece.vertex_size()) wrong();
   for (int i = 0; i < piece.vertex_size(); ++i) {
     number += piece.vertex(i);
@@ -133,7 +133,7 @@ void GeometryAssembly::take_triangles(const v1::MeshPiece& piece, std::size_t nu
   }
 }
 
-void GeometryAssembly::take_heights(const v1::HeightPiece& piece, std::size_t number) {
+void GeometryAssembly::add_heights(const v1::HeightPiece& piece, std::size_t number) {
   const std::size_t across = (geometry_.columns() + kTile - 1) / kTile;
   const std::size_t column = number % across * kTile;
   const std::size_t row = number / across * kTile;

@@ -69,9 +69,9 @@ struct SceneAssembly::Parts {
 
   [[nodiscard]] std::size_t of_manifest() const { return handover::manifest_pieces(announcement.manifest_bytes); }
 
-  void take_manifest_piece(std::size_t number, std::span<const std::byte> bytes);
+  void add_manifest_piece(std::size_t number, std::span<const std::byte> bytes);
   void read_manifest();
-  void take_geometry_piece(std::size_t number, std::span<const std::byte> bytes);
+  void add_geometry_piece(std::size_t number, std::span<const std::byte> bytes);
   [[nodiscard]] Eigen::Index axes() const { return std::max(1, manifest->degrees_of_freedom()); }
   void check_work(const scene::Scene& scene) const;
   scene::SceneObject make_object(std::size_t number, AssembledScene& made);
@@ -105,7 +105,7 @@ const Announcement& SceneAssembly::announcement() const noexcept { return parts_
 std::size_t SceneAssembly::pieces_here() const noexcept { return parts_->pieces_here; }
 bool SceneAssembly::can_build() const noexcept { return parts_->manifest.has_value(); }
 
-void SceneAssembly::take(std::size_t number, std::span<const std::byte> bytes) {
+void SceneAssembly::add(std::size_t number, std::span<const std::byte> bytes) {
   Parts& p = *parts_;
   if (number >= p.here.size()) {
     throw HandoverError("piece " + std::to_string(number) + " of " + std::to_string(p.here.size()));
@@ -116,13 +116,13 @@ void SceneAssembly::take(std::size_t number, std::span<const std::byte> bytes) {
   }
   if (p.here[number]) return;
   if (number < p.of_manifest()) {
-    p.take_manifest_piece(number, bytes);
+    p.add_manifest_piece(number, bytes);
   } else {
-    p.take_geometry_piece(number, bytes);
+    p.add_geometry_piece(number, bytes);
   }
 }
 
-void SceneAssembly::Parts::take_manifest_piece(std::size_t number, std::span<const std::byte> bytes) {
+void SceneAssembly::Parts::add_manifest_piece(std::size_t number, std::span<const std::byte> bytes) {
   const std::size_t begin = number * kPieceBytesMax;
   if (bytes.size() != std::min(kPieceBytesMax, manifest_bytes.size() - begin))
     throw HandoverError("a piece of the manifest has " + std::to_string(bytes.size()) + " bytes");
@@ -156,10 +156,10 @@ void SceneAssembly::Parts::read_manifest() {
   if (pieces != announcement.pieces) throw HandoverError("the manifest has other pieces than were announced");
   built.resize(static_cast<std::size_t>(read.objects_size()));
   manifest = std::move(read);
-  for (const auto& [number, bytes] : std::exchange(early, {})) take_geometry_piece(number, bytes);
+  for (const auto& [number, bytes] : std::exchange(early, {})) add_geometry_piece(number, bytes);
 }
 
-void SceneAssembly::Parts::take_geometry_piece(std::size_t number, std::span<const std::byte> bytes) {
+void SceneAssembly::Parts::add_geometry_piece(std::size_t number, std::span<const std::byte> bytes) {
   if (!manifest) {
     // The server sends the manifest first; no more than a network's worth of pieces overtakes it.
     constexpr std::size_t kEarlyMax = 4096;
@@ -170,7 +170,7 @@ void SceneAssembly::Parts::take_geometry_piece(std::size_t number, std::span<con
   if (here[number]) return;
   const auto of = std::ranges::find_if(
       geometries, [number](const GeometryAssembly& geometry) { return number < geometry.first() + geometry.pieces(); });
-  of->take(number, bytes);
+  of->add(number, bytes);
   here[number] = true;
   ++pieces_here;
 }
@@ -269,7 +269,7 @@ AssembledScene SceneAssembly::build(const std::stop_token& ended) try {
   throw HandoverError(one_line(error.what()));
 }
 
-void SceneAssembly::take_content(std::span<const std::byte> content) {
+void SceneAssembly::add_content(std::span<const std::byte> content) {
   const auto next = [&content](std::size_t bytes) {
     if (bytes > content.size()) throw HandoverError("the content ends too early");
     const auto begin = content.first(bytes);
@@ -280,11 +280,11 @@ void SceneAssembly::take_content(std::span<const std::byte> content) {
   for (std::size_t i = 0, left = announcement().manifest_bytes; i < of_manifest; ++i) {
     const auto piece = next(std::min(left, kPieceBytesMax));
     left -= piece.size();
-    take(i, piece);
+    add(i, piece);
   }
   for (std::size_t i = of_manifest; i < announcement().pieces; ++i) {
     const auto length = next(2);
-    take(i, next(std::to_integer<std::size_t>(length[0]) + 256 * std::to_integer<std::size_t>(length[1])));
+    add(i, next(std::to_integer<std::size_t>(length[0]) + 256 * std::to_integer<std::size_t>(length[1])));
   }
   if (!content.empty()) throw HandoverError("the content goes on after its end");
 }
@@ -299,7 +299,7 @@ std::string why_refused(const scene::Scene& scene, const Limits& limits) try {
   const std::shared_ptr<const PackedScene> packed = pack(scene);
   if (!packed) return {};
   SceneAssembly assembly(packed->announcement(), scene::Registry::standard(), limits);
-  for (std::size_t i = 0; i < packed->announcement().pieces; ++i) assembly.take(i, packed->piece(i));
+  for (std::size_t i = 0; i < packed->announcement().pieces; ++i) assembly.add(i, packed->piece(i));
   (void)assembly.build();
   return {};
 } catch (const std::exception& error) {

@@ -42,7 +42,7 @@ class SceneAssembly {
 
   /// A piece that is there already is passed over.
   /// @throws HandoverError if it is not what was announced; nothing more is to be expected of this assembly then.
-  void take(std::size_t number, std::span<const std::byte> bytes);
+  void add(std::size_t number, std::span<const std::byte> bytes);
 
   [[nodiscard]] const Announcement& announcement() const noexcept;
   [[nodiscard]] std::size_t pieces_here() const noexcept;
@@ -63,8 +63,8 @@ class SceneAssembly {
   /// The pieces as they came, for a cache; of a whole assembly.
   [[nodiscard]] std::vector<std::byte> content() const;
 
-  /// Takes what `content` gave. @throws HandoverError as `take`, and if it is not all
-  void take_content(std::span<const std::byte> content);
+  /// Takes what `content` gave. @throws HandoverError as `add`, and if it is not all
+  void add_content(std::span<const std::byte> content);
 
  private:
   struct Parts;

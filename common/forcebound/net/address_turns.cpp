@@ -18,12 +18,12 @@ void AddressTurns::set(std::span<const Address> addresses, Nanoseconds now) noex
   turn_ = kTurnLeast;
   if (stays) return;
   since_ = now;
-  heard_ = Heard::nothing;
+  reached_ = Reached::nothing;
 }
 
 Nanoseconds AddressTurns::turn() const noexcept {
-  if (heard_ == Heard::session) return kSilence;
-  return heard_ == Heard::something ? kAnswered : turn_;
+  if (reached_ == Reached::session) return kSilence;
+  return reached_ == Reached::something ? kAnswered : turn_;
 }
 
 void AddressTurns::before_sending(Nanoseconds now) noexcept {
@@ -37,19 +37,19 @@ void AddressTurns::next(Nanoseconds now) noexcept {
     turn_ = std::min(2 * turn_, kTurnMost);
   }
   since_ = now;
-  heard_ = Heard::nothing;
+  reached_ = Reached::nothing;
 }
 
 void AddressTurns::on_unreachable(Nanoseconds now) noexcept {
-  if (heard_ == Heard::nothing) next(now);
+  if (reached_ == Reached::nothing) next(now);
 }
 
 void AddressTurns::on_received() noexcept {
-  if (heard_ == Heard::nothing) heard_ = Heard::something;
+  if (reached_ == Reached::nothing) reached_ = Reached::something;
 }
 
 void AddressTurns::on_session(Nanoseconds now) noexcept {
-  heard_ = Heard::session;
+  reached_ = Reached::session;
   since_ = now;
   turn_ = kTurnLeast;
   look_up_at_ = now + kLookUpLeast;

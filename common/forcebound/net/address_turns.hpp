@@ -53,7 +53,7 @@ class AddressTurns {
   [[nodiscard]] bool look_up_due(time::Nanoseconds now) noexcept;
 
  private:
-  enum class Heard { nothing, something, session };
+  enum class Reached { nothing, something, session };
 
   void next(time::Nanoseconds now) noexcept;
   [[nodiscard]] time::Nanoseconds turn() const noexcept;
@@ -61,8 +61,8 @@ class AddressTurns {
   std::array<Address, kAddressesMost> addresses_{};
   std::size_t count_ = 0;
   std::size_t current_ = 0;
-  Heard heard_ = Heard::nothing;  ///< in this turn
-  time::Nanoseconds since_;       ///< the turn's begin, or the last session in it
+  Reached reached_ = Reached::nothing;  ///< in this turn
+  time::Nanoseconds since_;             ///< the turn's begin, or the last session in it
   time::Nanoseconds turn_ = kTurnLeast;
   time::Nanoseconds look_up_at_;
   time::Nanoseconds look_up_pause_ = kLookUpLeast;

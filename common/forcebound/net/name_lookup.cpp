@@ -77,7 +77,7 @@ void NameLookup::ask() noexcept {
   if (state_->is_name && !state_->is_asked.exchange(true)) state_->asked.release();
 }
 
-bool NameLookup::take_newer(std::uint64_t& seen, AddressTurns& turns, time::Nanoseconds now) const noexcept {
+bool NameLookup::update_turns(std::uint64_t& seen, AddressTurns& turns, time::Nanoseconds now) const noexcept {
   if (state_->generation == seen) return false;
   const std::unique_lock lock(state_->mutex, std::try_to_lock);
   if (!lock) return false;

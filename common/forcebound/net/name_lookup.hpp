@@ -33,7 +33,7 @@ class NameLookup {
 
   /// The newest addresses, as far as AddressTurns takes them, once for each lookup that found some: `seen` says which
   /// one the caller has, 0 at first. False: there are no newer ones, or they are just being written. Real time, too.
-  [[nodiscard]] bool take_newer(std::uint64_t& seen, AddressTurns& turns, time::Nanoseconds now) const noexcept;
+  [[nodiscard]] bool update_turns(std::uint64_t& seen, AddressTurns& turns, time::Nanoseconds now) const noexcept;
 
   [[nodiscard]] const Endpoint& endpoint() const noexcept;
   /// Not an address in digits.

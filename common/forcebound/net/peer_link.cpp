@@ -21,13 +21,13 @@ UdpLink link_towards(const NameLookup& lookup) {
 
 PeerLink::PeerLink(NameLookup& lookup, const time::Clock& clock, Found found)
     : lookup_(lookup), clock_(clock), found_(found), link_(link_towards(lookup)), turns_(clock.now()) {
-  (void)lookup_.take_newer(seen_, turns_, clock.now());
+  (void)lookup_.update_turns(seen_, turns_, clock.now());
   if (!lookup_.is_name()) directed_to_ = *turns_.current();
 }
 
 void PeerLink::look_up(Nanoseconds now) noexcept {
   if (!lookup_.is_name()) return;
-  (void)lookup_.take_newer(seen_, turns_, now);
+  (void)lookup_.update_turns(seen_, turns_, now);
   if (turns_.look_up_due(now)) lookup_.ask();
 }
 
@@ -78,10 +78,10 @@ std::optional<Received> PeerLink::receive(std::span<std::byte> buffer) noexcept 
 void PeerLink::keep() noexcept {
   if (!lookup_.is_name() || !directed_to_) return;
   turns_.on_session(clock_.now());
-  if (found_at_ != directed_to_) tell_found();
+  if (found_at_ != directed_to_) store_found();
 }
 
-void PeerLink::tell_found() noexcept {
+void PeerLink::store_found() noexcept {
   const std::unique_lock lock(mutex_, std::try_to_lock);
   if (!lock) return;  // next time
   found_at_ = directed_to_;

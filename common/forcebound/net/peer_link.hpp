@@ -53,7 +53,7 @@ class PeerLink final : public DatagramLink {
  private:
   void look_up(time::Nanoseconds now) noexcept;
   [[nodiscard]] bool turn_to_current(time::Nanoseconds now) noexcept;
-  void tell_found() noexcept;
+  void store_found() noexcept;
 
   NameLookup& lookup_;
   const time::Clock& clock_;

@@ -67,7 +67,7 @@ std::span<const UdpBatch::Arrived> UdpBatch::receive(int flags) noexcept {
     // MSG_TRUNC: each result is the datagram's whole size, also if it was cut.
     count = recvmmsg(link_.descriptor(), all.in.messages.data(), kDatagramsMax, flags | MSG_TRUNC, nullptr);
     if (count < 0 && errno != ECONNREFUSED) return {};
-    if (count < 0) link_.note_refused();
+    if (count < 0) link_.count_refused();
   }
   all.written = std::min(static_cast<std::size_t>(std::max(count, 0)) + 1, kDatagramsMax);
   if (count <= 0) return {};
@@ -101,7 +101,7 @@ void UdpBatch::flush() noexcept {
     const int sent = sendmmsg(link_.descriptor(), all.out.messages.data() + done,
                               static_cast<unsigned>(all.waiting - done), MSG_DONTWAIT);
     // sendmmsg stops at the first that fails; the others may have another destination.
-    if (sent <= 0) link_.note_send_failed();
+    if (sent <= 0) link_.count_send_failed();
     done += sent <= 0 ? 1 : static_cast<std::size_t>(sent);
   }
   all.waiting = 0;

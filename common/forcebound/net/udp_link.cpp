@@ -220,9 +220,9 @@ UdpCounters UdpLink::counters() const noexcept {
   return counters;
 }
 
-void UdpLink::note_refused() noexcept { ++socket_->counters.refused; }
+void UdpLink::count_refused() noexcept { ++socket_->counters.refused; }
 bool UdpLink::stamped() const noexcept { return socket_->stamped; }
-void UdpLink::note_send_failed() noexcept { ++socket_->counters.send_failed; }
+void UdpLink::count_send_failed() noexcept { ++socket_->counters.send_failed; }
 
 int UdpLink::descriptor() const noexcept { return socket_->socket.native_handle(); }
 

@@ -78,9 +78,9 @@ class UdpLink final : public DatagramLink {
 
  private:
   friend class UdpBatch;
-  void note_refused() noexcept;
+  void count_refused() noexcept;
   [[nodiscard]] bool stamped() const noexcept;
-  void note_send_failed() noexcept;
+  void count_send_failed() noexcept;
 
   struct Socket;
   explicit UdpLink(std::unique_ptr<Socket> socket) noexcept;

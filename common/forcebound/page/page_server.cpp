@@ -192,8 +192,8 @@ struct PageServer::Parts final : internal::Owner, Viewers {
     ++counts_.messages;
     guarded([&] { subject_.receive(viewer.id(), text, *this); });
   }
-  void note_skipped() noexcept override { ++counts_.skipped; }
-  void note_dropped() noexcept override { ++counts_.viewers_dropped; }
+  void count_skipped() noexcept override { ++counts_.skipped; }
+  void count_dropped() noexcept override { ++counts_.viewers_dropped; }
 
   // Viewers.
 

@@ -102,7 +102,7 @@ std::string problem_of(const CLI::App& app, const CLI::Error& error) {
   return what;
 }
 
-void note_log_form(const std::vector<std::string>& words) {
+void set_log_form(const std::vector<std::string>& words) {
   if (std::ranges::find(words, "--log-json") != words.end()) set_logs_json(true);
 }
 
@@ -128,9 +128,9 @@ void set_up(CLI::App& app, const std::string& name) {
 void parse(CLI::App& app, int argc, const char* const* argv) {
   try {
     // Before anything may be wrong with them: that is told as JSON too.
-    note_log_form({argv + 1, argv + argc});
+    set_log_form({argv + 1, argv + argc});
     std::vector<std::string> words = with_option_file(app, argc, argv);
-    note_log_form(words);
+    set_log_form(words);
     // CLI11 takes the last word first.
     std::ranges::reverse(words);
     const text::ClassicLocale with_points;

@@ -76,20 +76,20 @@ class JsonFormatter final : public spdlog::formatter {
 
 class LogListener::Sink final : public spdlog::sinks::base_sink<std::mutex> {
  public:
-  using Told = std::function<void(const std::string&, const std::string&)>;
-  explicit Sink(Told told) : told_(std::move(told)) {}
+  using Listener = std::function<void(const std::string&, const std::string&)>;
+  explicit Sink(Listener listener) : listener_(std::move(listener)) {}
 
  private:
   void sink_it_(const spdlog::details::log_msg& line) override {
-    told_(std::string(name_of(line.level)), text::printable({line.payload.data(), line.payload.size()}));
+    listener_(std::string(name_of(line.level)), text::printable({line.payload.data(), line.payload.size()}));
   }
   void flush_() override {}
 
-  Told told_;
+  Listener listener_;
 };
 
-LogListener::LogListener(std::function<void(const std::string& level, const std::string& text)> told)
-    : sink_(std::make_shared<Sink>(std::move(told))) {
+LogListener::LogListener(std::function<void(const std::string& level, const std::string& text)> listener)
+    : sink_(std::make_shared<Sink>(std::move(listener))) {
   spdlog::default_logger()->sinks().push_back(sink_);
 }
 

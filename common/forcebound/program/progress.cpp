@@ -29,7 +29,7 @@ std::string Progress::line(double share, const std::string& words, double elapse
   return line.substr(0, text::kColumns - 1);
 }
 
-void Progress::tell(double share, const std::string& words) {
+void Progress::report(double share, const std::string& words) {
   const auto now = Clock::now();
   if (!live_ || now < next_) return;
   next_ = now + kBetween;

@@ -17,9 +17,9 @@ class Progress {
 
   /// @param share done, 0 to 1
   /// @param words the state: "12 of 48 runs"
-  void tell(double share, const std::string& words);
+  void report(double share, const std::string& words);
 
-  /// Erases the line, so that something else can be printed; the next `tell` writes it again.
+  /// Erases the line, so that something else can be printed; the next `report` writes it again.
   void clear();
 
   /// "12 of 48 runs, 25 %, about 40 s left", cut to the columns of a terminal.

@@ -18,7 +18,7 @@ std::optional<double> DisplayedStiffness::on_tick(const TickRecord& tick) noexce
     previous_m_ = depth_m;
   }
   const std::int64_t number = tick.time.count() / kSlot_ns;
-  note(number, depth_m);
+  add(number, depth_m);
   // If ticks are further apart than the window, compare with the previous one.
   double moved_m = change_m(number, depth_m);
   if (tick.interval > kWindow) moved_m = std::max(moved_m, std::abs(depth_m - previous_m_));
@@ -29,7 +29,7 @@ std::optional<double> DisplayedStiffness::on_tick(const TickRecord& tick) noexce
   return tick.displayed_N / depth_m;
 }
 
-void DisplayedStiffness::note(std::int64_t number, double depth_m) noexcept {
+void DisplayedStiffness::add(std::int64_t number, double depth_m) noexcept {
   Slot& slot = slots_[static_cast<std::size_t>(number) % kSlots];
   if (slot.number != number) slot = {number, depth_m, depth_m};
   slot.least_m = std::min(slot.least_m, depth_m);

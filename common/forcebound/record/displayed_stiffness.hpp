@@ -43,7 +43,7 @@ class DisplayedStiffness {
     double most_m = 0;
   };
 
-  void note(std::int64_t number, double depth_m) noexcept;
+  void add(std::int64_t number, double depth_m) noexcept;
   [[nodiscard]] double change_m(std::int64_t number, double depth_m) const noexcept;
 
   double depth_m_min_;

@@ -19,7 +19,7 @@ IdleTimer IdleThread::stop() {
 void IdleThread::run(const std::stop_token& stopping, const time::Clock& clock, std::optional<int> priority) {
   if (priority) time::ask_for_real_time(*priority);
   time::PeriodicTimer timer(clock, period_);
-  while (!stopping.stop_requested()) wake_ups_.note(timer.wait());
+  while (!stopping.stop_requested()) wake_ups_.add(timer.wait());
 }
 
 }  // namespace forcebound::record

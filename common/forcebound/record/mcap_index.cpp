@@ -87,12 +87,12 @@ std::uint32_t crc32_of(std::string_view bytes, std::uint32_t before) noexcept {
   return static_cast<std::uint32_t>(crc32_z(before, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
 }
 
-void expect_crc(std::uint32_t said, std::string_view bytes, std::uint64_t offset, const char* what) {
+void expect_crc(std::uint32_t stated, std::string_view bytes, std::uint64_t offset, const char* what) {
   const std::uint32_t actual = crc32_of(bytes);
-  if (said == 0 || said == actual) return;  // 0: none was made
+  if (stated == 0 || stated == actual) return;  // 0: none was made
   std::array<char, 96> text{};
   std::snprintf(text.data(), text.size(), "the %s is damaged: its CRC-32 is 0x%08x, the file says 0x%08x", what, actual,
-                said);
+                stated);
   throw Damage(offset, text.data());
 }
 

@@ -43,7 +43,7 @@ class Reader {
 
   void measure();
   std::optional<Head> next_head();
-  Head as_indexed(Head said);
+  Head as_indexed(Head stated);
   bool is_readable(const Head& head);
   bool go_on(const Head& unreadable);
   std::string content_of(const Head& head);
@@ -113,7 +113,7 @@ void Reader::measure() {
   if (index_) {
     schemas_ = index_->schemas;
     channels_ = index_->channels;
-    ending_.messages_said = index_->messages.value_or(0);
+    ending_.messages_stated = index_->messages.value_or(0);
   }
   crc_ = crc32_of(magic);
   ending_.whole = kMagic.size();
@@ -140,13 +140,13 @@ std::optional<Reader::Head> Reader::next_head() {
   return index_ ? as_indexed(head) : head;
 }
 
-Reader::Head Reader::as_indexed(Head said) {
-  const auto known = index_->places.find(said.begin);
-  if (known == index_->places.end()) return said;
+Reader::Head Reader::as_indexed(Head stated) {
+  const auto known = index_->places.find(stated.begin);
+  if (known == index_->places.end()) return stated;
   const auto& [opcode, length, name] = known->second;
-  if (said.opcode == opcode && said.length == length) return said;
-  count_damage(Damage(said.begin, "the head of the " + std::string(name_of(opcode)) + " is damaged").what());
-  return {said.begin, opcode, length};
+  if (stated.opcode == opcode && stated.length == length) return stated;
+  count_damage(Damage(stated.begin, "the head of the " + std::string(name_of(opcode)) + " is damaged").what());
+  return {stated.begin, opcode, length};
 }
 
 /// Whether all of it is within the file, and nothing that the index has is within it.
@@ -208,8 +208,8 @@ void Reader::check_all(const Head& data_end, std::string_view content) {
   ending_.only_index_is_lost = true;
   if (ending_.damaged > 0) return;
   const std::uint64_t offset = data_end.begin + kRecordHeaderBytes;
-  const auto said = Fields(offset, content).number<std::uint32_t>();
-  if (said == 0 || said == crc_) return;
+  const auto stated = Fields(offset, content).number<std::uint32_t>();
+  if (stated == 0 || stated == crc_) return;
   throw Damage(offset,
                "the checksum of all records is wrong, though no chunk's is: settings, totals or an index are damaged");
 }
@@ -389,9 +389,9 @@ void Reader::records_of(std::string_view records, std::uint64_t offset, bool com
 
 std::string damage_in_words(const Ending& ending) {
   std::string words = text::counted(ending.damaged, "damaged record");
-  if (ending.messages < ending.messages_said) {
-    words += ", with " + std::to_string(ending.messages_said - ending.messages) + " of " +
-             text::counted(ending.messages_said, "message");
+  if (ending.messages < ending.messages_stated) {
+    words += ", with " + std::to_string(ending.messages_stated - ending.messages) + " of " +
+             text::counted(ending.messages_stated, "message");
   }
   return words + (ending.damaged > 1 ? " (the first at " : " (at ") + ending.damage + ")";
 }

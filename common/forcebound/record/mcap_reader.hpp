@@ -40,19 +40,19 @@ struct Visitor {
 
 /// Where a file ends, and what is whole of it: all that was visited.
 struct Ending {
-  bool complete = false;            ///< it has its end
-  std::uint64_t damaged = 0;        ///< records, left out of what was visited; a chunk is one
-  std::string damage{};             ///< the first of them: "byte 17: the chunk is damaged: ..."
-  std::uint64_t messages = 0;       ///< visited ...
-  std::uint64_t messages_said = 0;  ///< ... of those that the file says it has; 0: it does not say
-  std::uint64_t size = 0;           ///< of the file [bytes]
-  std::uint64_t whole = 0;          ///< of these, in records that are whole
-  std::uint64_t declared = 0;       ///< bytes that the record which is cut off says it has; 0: not known
-  std::string kind{};               ///< of that record: "chunk"; empty: not known
-  std::uint64_t rescued = 0;        ///< messages at the beginning of a chunk that is cut off, visited too
-  bool only_index_is_lost = false;  ///< all data are whole
-  std::uint64_t stored = 0;         ///< bytes of chunks, as they are in the file ...
-  std::uint64_t uncompressed = 0;   ///< ... and without compression
+  bool complete = false;              ///< it has its end
+  std::uint64_t damaged = 0;          ///< records, left out of what was visited; a chunk is one
+  std::string damage{};               ///< the first of them: "byte 17: the chunk is damaged: ..."
+  std::uint64_t messages = 0;         ///< visited ...
+  std::uint64_t messages_stated = 0;  ///< ... of those that the file says it has; 0: it does not say
+  std::uint64_t size = 0;             ///< of the file [bytes]
+  std::uint64_t whole = 0;            ///< of these, in records that are whole
+  std::uint64_t declared = 0;         ///< bytes that the record which is cut off says it has; 0: not known
+  std::string kind{};                 ///< of that record: "chunk"; empty: not known
+  std::uint64_t rescued = 0;          ///< messages at the beginning of a chunk that is cut off, visited too
+  bool only_index_is_lost = false;    ///< all data are whole
+  std::uint64_t stored = 0;           ///< bytes of chunks, as they are in the file ...
+  std::uint64_t uncompressed = 0;     ///< ... and without compression
 
   /// All is there and whole.
   explicit operator bool() const noexcept { return complete && damaged == 0; }

@@ -174,7 +174,7 @@ void Writer::flush() {
     put_record(out, Opcode::message_index, content);
   }
   if (emit(out)) {
-    note_chunk(stored, index_offsets, out.size() - stored.bytes);
+    index_chunk(stored, index_offsets, out.size() - stored.bytes);
   } else {
     for (const auto& [channel, entries] : chunk_.index) unwritten_[channel] += entries.size();
   }
@@ -183,8 +183,8 @@ void Writer::flush() {
   chunk_.messages = chunk_.start = chunk_.end = 0;
 }
 
-void Writer::note_chunk(const Stored& stored, const std::map<std::uint16_t, std::uint64_t>& index_offsets,
-                        std::uint64_t index_bytes) {
+void Writer::index_chunk(const Stored& stored, const std::map<std::uint16_t, std::uint64_t>& index_offsets,
+                         std::uint64_t index_bytes) {
   std::string content;
   put(content, chunk_.start);
   put(content, chunk_.end);

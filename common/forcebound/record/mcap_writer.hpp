@@ -82,8 +82,8 @@ class Writer {
   };
 
   bool emit(std::string_view bytes);
-  void note_chunk(const Stored& stored, const std::map<std::uint16_t, std::uint64_t>& index_offsets,
-                  std::uint64_t index_bytes);
+  void index_chunk(const Stored& stored, const std::map<std::uint16_t, std::uint64_t>& index_offsets,
+                   std::uint64_t index_bytes);
   [[nodiscard]] std::string statistics() const;
 
   std::ostream& out_;

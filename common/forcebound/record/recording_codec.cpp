@@ -61,12 +61,12 @@ control::Handle handle_from(const v1::TickRecord& in) {
 }
 
 template <class Proto, class Value>
-void take_over(const Proto& in, Value& value) {
+void read_into(const Proto& in, Value& value) {
   const auto refuse = [](const wire::Flaws::Flaw& flaw, const std::string& accepted) {
     throw std::invalid_argument(std::string(flaw.field) + " must " + accepted + ", got " + std::to_string(flaw.got));
   };
   value = {};
-  const wire::Flaws flaws = wire::take(in, value);
+  const wire::Flaws flaws = wire::read(in, value);
   if (flaws.time.field != nullptr) refuse(flaws.time, "be within 2^61");
   if (flaws.rows.field != nullptr) refuse(flaws.rows, "have at most " + std::to_string(flaws.rows.most) + " rows");
 }
@@ -192,7 +192,7 @@ bool decode(std::string_view bytes, ForceRecord& force) {
   const auto in = parse<v1::ForceRecord>(bytes);
   force.receive_time = time_from(in.receive_time_ns(), "receive_time_ns");
   force.round_trip = time_from(in.round_trip_ns(), "round_trip_ns");
-  take_over(in.force(), force.force);
+  read_into(in.force(), force.force);
   return in.has_receive_time_ns();
 }
 
@@ -202,10 +202,10 @@ std::string encode(const wire::MotionSample& motion) {
   return out.SerializeAsString();
 }
 
-void decode(std::string_view bytes, wire::MotionSample& motion) { take_over(parse<v1::MotionSample>(bytes), motion); }
+void decode(std::string_view bytes, wire::MotionSample& motion) { read_into(parse<v1::MotionSample>(bytes), motion); }
 
 void decode(std::string_view bytes, wire::EnvironmentForce& force) {
-  take_over(parse<v1::EnvironmentForce>(bytes), force);
+  read_into(parse<v1::EnvironmentForce>(bytes), force);
 }
 
 }  // namespace forcebound::record

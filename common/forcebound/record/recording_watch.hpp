@@ -17,8 +17,8 @@ class RecordingWatch {
   [[nodiscard]] std::string take(const Recorder& recorder, const RecordingWriter& writer);
 
  private:
-  bool dropped_told_ = false;
-  bool failure_told_ = false;
+  bool dropped_reported_ = false;
+  bool failure_reported_ = false;
 };
 
 }  // namespace forcebound::record

@@ -22,13 +22,13 @@ bool was_bounded(const TickRecord& tick, const RunInfo& info) noexcept {
 }  // namespace
 
 void Summary::on_tick(const TickRecord& tick) noexcept {
-  note_period(tick);
-  note_force_stream(tick);
-  note_contact(tick);
-  note_energy(tick);
+  add_period(tick);
+  add_force_stream(tick);
+  add_contact(tick);
+  add_energy(tick);
 }
 
-void Summary::note_period(const TickRecord& tick) noexcept {
+void Summary::add_period(const TickRecord& tick) noexcept {
   if (tick.state != SessionState::connecting) connected_ = true;
   if (ticks_ == 0) {
     first_ = tick.time;
@@ -42,7 +42,7 @@ void Summary::note_period(const TickRecord& tick) noexcept {
   if (tick.motion_sequence != 0) ++sent_;
 }
 
-void Summary::note_force_stream(const TickRecord& tick) noexcept {
+void Summary::add_force_stream(const TickRecord& tick) noexcept {
   if (tick.rendering == ForceOrigin::at_client) ++at_client_ticks_;
   if (tick.rendering == ForceOrigin::both) ++both_ticks_;
   if (tick.model.rows() > 0) ++modelled_ticks_;
@@ -64,7 +64,7 @@ void Summary::note_force_stream(const TickRecord& tick) noexcept {
   if (blackout) blackout_longest_ = std::max(blackout_longest_, without_force);
 }
 
-void Summary::note_contact(const TickRecord& tick) noexcept {
+void Summary::add_contact(const TickRecord& tick) noexcept {
   const double force_N = tick.applied.norm();
   force_N_max_ = std::max(force_N_max_, force_N);
   shows_torque_ |= tick.applied_torque_N_m.rows() > 0;
@@ -90,7 +90,7 @@ void Summary::note_contact(const TickRecord& tick) noexcept {
   stiffness_mN_per_m_.add(time::from_seconds(*stiffness * 1e-6).count());  // N/m to mN/m, saturating
 }
 
-void Summary::note_energy(const TickRecord& tick) noexcept {
+void Summary::add_energy(const TickRecord& tick) noexcept {
   // Written so that NaN stays the minimum: it must not be taken for passivity.
   if (!(tick.audit_minimum_J >= passivity_minimum_J_) && !std::isnan(passivity_minimum_J_)) {
     passivity_minimum_J_ = tick.audit_minimum_J;
@@ -100,7 +100,7 @@ void Summary::note_energy(const TickRecord& tick) noexcept {
 }
 
 /// Before `arrival_` is that of this one.
-void Summary::note_follower(const ForceRecord& force) noexcept {
+void Summary::add_follower(const ForceRecord& force) noexcept {
   using enum control::FollowerState;
   constexpr Nanoseconds kKnown = std::chrono::milliseconds{100};
   if (follower_ != none) {
@@ -125,7 +125,7 @@ void Summary::on_force(const ForceRecord& record) noexcept {
   ++forces_;
   connected_ = true;
   if (force.motion_sequence <= arrived_motion_) return;  // reordered: no tick uses it
-  note_follower(record);
+  add_follower(record);
   arrival_ = record.receive_time;
   arrived_motion_ = force.motion_sequence;
   arrived_round_trip_ = record.round_trip;

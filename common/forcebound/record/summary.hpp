@@ -108,11 +108,11 @@ class Summary final : public TickSink {
  private:
   friend struct SummaryView;  // reads everything, to print it
 
-  void note_period(const TickRecord& tick) noexcept;
-  void note_force_stream(const TickRecord& tick) noexcept;
-  void note_contact(const TickRecord& tick) noexcept;
-  void note_energy(const TickRecord& tick) noexcept;
-  void note_follower(const ForceRecord& force) noexcept;
+  void add_period(const TickRecord& tick) noexcept;
+  void add_force_stream(const TickRecord& tick) noexcept;
+  void add_contact(const TickRecord& tick) noexcept;
+  void add_energy(const TickRecord& tick) noexcept;
+  void add_follower(const ForceRecord& force) noexcept;
 
   RunInfo info_;
   std::optional<RunTotals> totals_;

@@ -11,13 +11,13 @@ namespace forcebound::record {
 
 /// Intervals between the wake-ups of a thread that wakes up periodically.
 ///
-/// Real time: `note` is noexcept and allocates nothing. Not thread-safe.
+/// Real time: `add` is noexcept and allocates nothing. Not thread-safe.
 class WakeUps {
  public:
   explicit WakeUps(Nanoseconds period) : period_(period) {}
 
   /// It woke up now.
-  void note(Nanoseconds now) noexcept {
+  void add(Nanoseconds now) noexcept {
     if (previous_) {
       const Nanoseconds interval = now - *previous_;
       intervals_ns_.add(interval.count());

@@ -87,7 +87,7 @@ std::string script_text(const Figure& figure, const std::string& name) {
 
 struct GnuplotResult {
   int status;
-  std::string said;
+  std::string output;
 };
 
 /// @param format "png", "pdf" or "svg"
@@ -100,7 +100,7 @@ GnuplotResult run_gnuplot(const std::filesystem::path& script, const std::string
   if (pipe == nullptr) throw std::runtime_error("cannot start a shell for gnuplot");
   GnuplotResult result{};
   std::array<char, 512> part{};
-  while (std::fgets(part.data(), static_cast<int>(part.size()), pipe) != nullptr) result.said += part.data();
+  while (std::fgets(part.data(), static_cast<int>(part.size()), pipe) != nullptr) result.output += part.data();
   result.status = ::pclose(pipe);
   return result;
 }
@@ -114,11 +114,11 @@ bool draw_picture(const std::filesystem::path& picture) {
   std::error_code ignored;
   const bool drawn = std::filesystem::exists(picture, ignored) && std::filesystem::file_size(picture, ignored) > 0;
   if (result.status != 0 || !drawn) {
-    std::ranges::replace(result.said, '\n', ' ');
-    throw std::runtime_error("gnuplot could not draw '" + picture.string() + "': " + result.said);
+    std::ranges::replace(result.output, '\n', ' ');
+    throw std::runtime_error("gnuplot could not draw '" + picture.string() + "': " + result.output);
   }
   before.keep_the_new();
-  std::cerr << text::printable_lines(result.said);  // its warnings
+  std::cerr << text::printable_lines(result.output);  // its warnings
   return true;
 }
 

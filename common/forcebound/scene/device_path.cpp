@@ -29,7 +29,7 @@ DevicePath::Transits DevicePath::transits() const noexcept {
   return all;
 }
 
-void DevicePath::note(const Motion& motion) noexcept {
+void DevicePath::receive(const Motion& motion) noexcept {
   const Point position_m = motion.position_m.cwiseMax(-kFar_m).cwiseMin(kFar_m);
   if (count_ == 0) {
     played_at_ = motion.arrived;
@@ -50,14 +50,14 @@ void DevicePath::note(const Motion& motion) noexcept {
   if (read <= newest.read) return;
   const Nanoseconds newest_was = transit + (read - newest.read);
   const bool outage = newest_was > std::min(least, transit) + kDelayMost;
-  note_transit({.least = transit, .most = outage ? transit : newest_was}, motion.arrived);
-  const Point until_now_m = told_at(played_).position_m;
+  add_transit({.least = transit, .most = outage ? transit : newest_was}, motion.arrived);
+  const Point until_now_m = reported_at(played_).position_m;
   const Point mean_m_per_s = (position_m - newest.position_m) / time::to_seconds(read - newest.read);
   add({.read = read,
        .position_m = position_m,
        .velocity_m_per_s = no_faster_than(mean_m_per_s, kFast_m_per_s),
        .buttons = motion.buttons});
-  aside_m_ += until_now_m - told_at(played_).position_m;
+  aside_m_ += until_now_m - reported_at(played_).position_m;
 }
 
 void DevicePath::begin(const Motion& motion, const Point& position_m) noexcept {
@@ -81,7 +81,7 @@ void DevicePath::add(const Knot& newest) noexcept {
   ++count_;
 }
 
-void DevicePath::note_transit(const Transits& one, Nanoseconds arrived) noexcept {
+void DevicePath::add_transit(const Transits& one, Nanoseconds arrived) noexcept {
   const Nanoseconds since = arrived - window_began_;
   if (since >= kWindow) {
     before_ = since < 2 * kWindow ? now_ : Transits{};
@@ -101,7 +101,7 @@ const DevicePath::Place& DevicePath::play(Nanoseconds moment) noexcept {
     --count_;
   }
   const Point before_m = place_.position_m;
-  place_ = told_at(played_);
+  place_ = reported_at(played_);
   ease(time::to_seconds(elapsed));
   bound_speed(before_m, time::to_seconds(elapsed));
   return place_;
@@ -112,9 +112,9 @@ void DevicePath::advance(Nanoseconds elapsed) noexcept {
   const Nanoseconds wanted = played_at_ - std::min(all.most + kMargin, all.least + kDelayMost);
   const Nanoseconds apart = wanted - (played_ + elapsed);
   if (apart > kJump || apart < -kJump) {
-    const Point until_now_m = told_at(played_).position_m;
+    const Point until_now_m = reported_at(played_).position_m;
     played_ = wanted;
-    aside_m_ += until_now_m - told_at(played_).position_m;
+    aside_m_ += until_now_m - reported_at(played_).position_m;
     return;
   }
   const Nanoseconds most = elapsed / kSlower;
@@ -143,7 +143,7 @@ void DevicePath::bound_speed(const Point& before_m, double elapsed_s) noexcept {
   place_.velocity_m_per_s = no_faster_than(place_.velocity_m_per_s, kFast_m_per_s);
 }
 
-DevicePath::Place DevicePath::told_at(Nanoseconds reading) const noexcept {
+DevicePath::Place DevicePath::reported_at(Nanoseconds reading) const noexcept {
   std::size_t i = 0;
   while (i + 1 < count_ && knot(i + 1).read <= reading) ++i;
   const Knot& from = knot(i);

@@ -61,7 +61,7 @@ class DevicePath {
     Nanoseconds arrived{0};   ///< by the model's clock
     std::uint32_t buttons = 0;
   };
-  void note(const Motion& motion) noexcept;
+  void receive(const Motion& motion) noexcept;
 
   /// Plays on until a time of the model's clock; a time that is not later than the last one changes nothing. Before the
   /// first motion nothing is played.
@@ -102,13 +102,13 @@ class DevicePath {
 
   void begin(const Motion& motion, const Point& position_m) noexcept;
   void add(const Knot& newest) noexcept;
-  void note_transit(const Transits& one, Nanoseconds arrived) noexcept;
+  void add_transit(const Transits& one, Nanoseconds arrived) noexcept;
   void advance(Nanoseconds elapsed) noexcept;
   void ease(double elapsed_s) noexcept;
   void bound_speed(const Point& before_m, double elapsed_s) noexcept;
   [[nodiscard]] Transits transits() const noexcept;
   [[nodiscard]] const Knot& knot(std::size_t i) const noexcept { return knots_[(first_ + i) % kMotions]; }
-  [[nodiscard]] Place told_at(Nanoseconds reading) const noexcept;
+  [[nodiscard]] Place reported_at(Nanoseconds reading) const noexcept;
 
   std::array<Knot, kMotions> knots_{};
   std::size_t first_ = 0;

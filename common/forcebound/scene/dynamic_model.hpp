@@ -74,7 +74,7 @@ class DynamicModelState {
   /// Where it is now, for a picture: of a surface the vertices, else the solids, from number `first` on, each by its
   /// kNumbersOfVertex or kNumbersOfSolid [m]. @returns how many numbers were written: as many whole ones as fit
   /// Real time.
-  [[nodiscard]] virtual std::size_t see(std::size_t first, std::span<float> to) const noexcept {
+  [[nodiscard]] virtual std::size_t sample(std::size_t first, std::span<float> to) const noexcept {
     (void)first;
     (void)to;
     return 0;

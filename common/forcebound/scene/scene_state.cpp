@@ -24,11 +24,11 @@ SceneState::SceneState(std::shared_ptr<const Scene> scene, std::uint32_t degrees
       steps_(scene_->plan().steps().size()),
       shares_dynamic_models_(shares_dynamic_models) {
   std::iota(steps_.begin(), steps_.end(), 0U);
-  seats_.reserve(dynamic_models.size());
-  for (const auto& dynamic_model : dynamic_models) seats_.emplace_back(dynamic_model);
-  dynamic_models_.resize(seats_.size());
+  couplings_.reserve(dynamic_models.size());
+  for (const auto& dynamic_model : dynamic_models) couplings_.emplace_back(dynamic_model);
+  dynamic_models_.resize(couplings_.size());
   std::iota(dynamic_models_.begin(), dynamic_models_.end(), 0U);
-  quarantined_.reserve(steps_.size() + seats_.size());
+  quarantined_.reserve(steps_.size() + couplings_.size());
 }
 
 SceneState::SceneState(const std::shared_ptr<const Scene>& scene, std::uint32_t degrees_of_freedom)
@@ -83,24 +83,24 @@ Answer SceneState::answer(const Vector& position, Nanoseconds device_time, Nanos
     steps_.erase(steps_.begin() + static_cast<std::ptrdiff_t>(i--));
   }
   for (std::size_t i = 0; i < dynamic_models_.size(); ++i) {
-    DynamicModelSeat& seat = seats_[dynamic_models_[i]];
+    DynamicModelCoupling& coupling = couplings_[dynamic_models_[i]];
     FeltAt felt_at{.moment = shares_dynamic_models_ ? server_time : device_time};
     // A client that is told no local model has the force as soon as it can be.
     if (shares_dynamic_models_ && wants_model) felt_at.reading = device_time;
-    const ModelTouch touch = seat.feel(probe, felt_at, faults_.dynamic_models);
+    const ModelTouch touch = coupling.feel(probe, felt_at, faults_.dynamic_models);
     const SurfacePoint surface{.normal = touch.normal, .penetration_m = touch.penetration_m};
-    if (seat.sound() && add({.force_N = touch.force_N}, surface, total_N, answer)) {
+    if (coupling.sound() && add({.force_N = touch.force_N}, surface, total_N, answer)) {
       server_parts_N += touch.force_N;
       if (wants_model) {
-        describe(seat, dynamic_models_[i], answer.model);
-        if (const auto before = seat.played_before(device_time)) {
+        describe(coupling, dynamic_models_[i], answer.model);
+        if (const auto before = coupling.played_before(device_time)) {
           answer.model.by_device_clock = true;
           answer.model.before_reading = *before;
         }
       }
       continue;
     }
-    quarantine(seat.name());
+    quarantine(coupling.name());
     dynamic_models_.erase(dynamic_models_.begin() + static_cast<std::ptrdiff_t>(i--));
   }
   answer.force = in_device_rows(total_N);
@@ -111,10 +111,11 @@ Answer SceneState::answer(const Vector& position, Nanoseconds device_time, Nanos
 }
 
 /// What has no room in the answer is held.
-void SceneState::describe(DynamicModelSeat& seat, std::uint32_t number, local_model::LocalModel& model) noexcept {
+void SceneState::describe(DynamicModelCoupling& coupling, std::uint32_t number,
+                          local_model::LocalModel& model) noexcept {
   constexpr std::uint32_t kIdsOfAPart = 16;
   local_model::LocalModel part;
-  if (!seat.describe(part)) return;
+  if (!coupling.describe(part)) return;
   const std::uint32_t surfaces = std::min(part.surface_count, local_model::LocalModel::kSurfacesMax);
   for (std::uint32_t i = 0; i < surfaces; ++i) {
     part.surfaces.at(i).id += kIdsOfAPart * number;
@@ -145,7 +146,7 @@ void SceneState::begin_again(const Vector& outside_m, Nanoseconds first_time) no
 bool SceneState::go_on_from(const SceneState& other) noexcept {
   const std::span<const PlanStep> steps = scene_->plan().steps();
   const std::span<const PlanStep> before = other.scene_->plan().steps();
-  const bool same = other.rows_ == rows_ && other.seats_.empty() && seats_.empty() &&
+  const bool same = other.rows_ == rows_ && other.couplings_.empty() && couplings_.empty() &&
                     std::ranges::equal(steps, before, have_states_of_the_same_effects);
   if (!same) return false;
   for (std::size_t i = 0; i < steps.size(); ++i) {
@@ -198,14 +199,14 @@ void SceneState::quarantine(const std::string& name) noexcept {
 
 DynamicModelsNow SceneState::dynamic_models() const {
   DynamicModelsNow dynamic_models;
-  dynamic_models.reserve(seats_.size());
-  for (const DynamicModelSeat& seat : seats_) dynamic_models.push_back(seat.now());
+  dynamic_models.reserve(couplings_.size());
+  for (const DynamicModelCoupling& coupling : couplings_) dynamic_models.push_back(coupling.now());
   return dynamic_models;
 }
 
-std::size_t SceneState::see(std::size_t dynamic_model, std::size_t first, std::span<float> to) const noexcept {
-  if (dynamic_model >= seats_.size() || !seats_[dynamic_model].sound()) return 0;
-  return seats_[dynamic_model].now()->state().see(first, to);
+std::size_t SceneState::sample(std::size_t dynamic_model, std::size_t first, std::span<float> to) const noexcept {
+  if (dynamic_model >= couplings_.size() || !couplings_[dynamic_model].sound()) return 0;
+  return couplings_[dynamic_model].now()->state().sample(first, to);
 }
 
 Vector SceneState::in_device_rows(const Point& point) const noexcept {

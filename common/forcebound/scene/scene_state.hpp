@@ -8,7 +8,7 @@
 
 #include "forcebound/answer/answer.hpp"
 #include "forcebound/control/vector.hpp"
-#include "forcebound/scene/dynamic_model_seat.hpp"
+#include "forcebound/scene/dynamic_model_coupling.hpp"
 
 namespace forcebound::scene {
 
@@ -66,8 +66,9 @@ class SceneState {
 
   [[nodiscard]] DynamicModelsNow dynamic_models() const;
 
-  /// Where the parts of a dynamic model are now: DynamicModelState::see. Nothing of one that is not sound. Real time.
-  [[nodiscard]] std::size_t see(std::size_t dynamic_model, std::size_t first, std::span<float> to) const noexcept;
+  /// Where the parts of a dynamic model are now: DynamicModelState::sample. Nothing of one that is not sound. Real
+  /// time.
+  [[nodiscard]] std::size_t sample(std::size_t dynamic_model, std::size_t first, std::span<float> to) const noexcept;
 
   [[nodiscard]] const Scene& scene() const noexcept { return *scene_; }
   [[nodiscard]] const SceneFaults& faults() const noexcept { return faults_; }
@@ -79,7 +80,7 @@ class SceneState {
   /// Adds one part's force to the answer; false if it is not finite.
   [[nodiscard]] bool add(const Reaction& reaction, const SurfacePoint& surface, Point& total_N,
                          Answer& answer) noexcept;
-  void describe(DynamicModelSeat& seat, std::uint32_t number, local_model::LocalModel& model) noexcept;
+  void describe(DynamicModelCoupling& coupling, std::uint32_t number, local_model::LocalModel& model) noexcept;
   [[nodiscard]] Point place(const Vector& position) const noexcept;
   /// With the device's rows; rotations are zero.
   [[nodiscard]] Vector in_device_rows(const Point& point) const noexcept;
@@ -95,8 +96,8 @@ class SceneState {
   Eigen::Index translations_;                    ///< rows that are translations
   std::vector<std::byte> bytes_;                 ///< the states of all effects and shapes
   std::vector<std::uint32_t> steps_;             ///< of the plan, less those quarantined
-  std::vector<DynamicModelSeat> seats_;          ///< in all dynamic models
-  std::vector<std::uint32_t> dynamic_models_;    ///< of the seats, less those quarantined
+  std::vector<DynamicModelCoupling> couplings_;  ///< in all dynamic models
+  std::vector<std::uint32_t> dynamic_models_;    ///< of the couplings, less those quarantined
   std::vector<const std::string*> quarantined_;  ///< on this motion; room for all
   bool shares_dynamic_models_;
   Point last_position_m_ = Point::Zero();

@@ -83,7 +83,7 @@ Opened Channel::open(std::span<const std::byte> record, std::span<std::byte> pla
                                                   raw((*secrets_)[slot].receive)) != 0) {
     return {Opening::not_authentic};
   }
-  keys_[slot].window.note(counter);
+  keys_[slot].window.add(counter);
   if (!keys_[slot].confirmed) confirm(slot, now);
   return {.result = Opening::opened, .bytes = bytes, .handshake = handshake, .counter = counter};
 }

@@ -85,7 +85,7 @@ struct Derived {
 };
 
 /// Into its place, so that no copy stays behind.
-void take_key(KeyBytes& key, const Hash& hash) noexcept { std::copy_n(hash.begin(), key.size(), key.begin()); }
+void copy_key(KeyBytes& key, const Hash& hash) noexcept { std::copy_n(hash.begin(), key.size(), key.begin()); }
 
 /// Reads or writes a message from its beginning.
 template <class Byte>
@@ -129,7 +129,7 @@ struct Handshake::State {
   }
 
   void set_key(const Hash& from) noexcept {
-    take_key(key, from);
+    copy_key(key, from);
     nonce = 0;
     has_key = true;
   }
@@ -318,8 +318,8 @@ void Handshake::split(TransportKeys& keys) const noexcept {
   const State& now = both_->now;
   const Derived derived(now.chaining_key, {});
   const bool begins = now.role == Role::initiator;
-  take_key(keys.send, derived.out[begins ? 0 : 1]);
-  take_key(keys.receive, derived.out[begins ? 1 : 0]);
+  copy_key(keys.send, derived.out[begins ? 0 : 1]);
+  copy_key(keys.receive, derived.out[begins ? 1 : 0]);
 }
 
 }  // namespace forcebound::security

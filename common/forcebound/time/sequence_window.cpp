@@ -16,7 +16,7 @@ bool SequenceWindow::is_fresh(std::uint64_t sequence) const noexcept {
   return words_behind < kWords && (arrived_[index_of(sequence)] & bit(sequence)) == 0;
 }
 
-SequenceWindow::Arrival SequenceWindow::note(std::uint64_t sequence, std::uint64_t ahead_most) noexcept {
+SequenceWindow::Arrival SequenceWindow::add(std::uint64_t sequence, std::uint64_t ahead_most) noexcept {
   if (!is_fresh(sequence)) return Arrival::duplicate;
   const std::int64_t ahead = ahead_of_newest(sequence);
   const bool newest = !any_ || ahead > 0;

@@ -31,9 +31,9 @@ class SequenceWindow {
   static constexpr std::uint64_t kAnyAhead = std::numeric_limits<std::int64_t>::max();
 
   /// @param ahead_most further ahead of the newest is too far; of the first number that ever comes, nothing is
-  Arrival note(std::uint64_t sequence, std::uint64_t ahead_most = kAnyAhead) noexcept;
+  Arrival add(std::uint64_t sequence, std::uint64_t ahead_most = kAnyAhead) noexcept;
 
-  /// Whether `note` would find it to be the newest or late. Changes nothing: a number that must be authentic first is
+  /// Whether `add` would find it to be the newest or late. Changes nothing: a number that must be authentic first is
   /// asked about before that is checked, and noted after, so that a forged one far ahead moves nothing.
   [[nodiscard]] bool is_fresh(std::uint64_t sequence) const noexcept;
 

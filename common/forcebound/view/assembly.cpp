@@ -21,14 +21,14 @@ std::string json_text(const std::string& text) {
 
 }  // namespace
 
-bool Assembly::take(const Piece& piece) {
+bool Assembly::add(const Piece& piece) {
   if (piece.content.size() > kPieceBytes) return false;
   if (piece.session != session_) {
     *this = {};
     session_ = piece.session;
   }
-  if (piece.pieces > 0) return take_description(piece);
-  take_movement(piece);
+  if (piece.pieces > 0) return add_description(piece);
+  add_movement(piece);
   return false;
 }
 
@@ -39,7 +39,7 @@ void Assembly::begin(const Piece& piece) {
   missing_ = piece.pieces;
 }
 
-bool Assembly::take_description(const Piece& piece) {
+bool Assembly::add_description(const Piece& piece) {
   if (piece.view == shown_ || piece.pieces > kPiecesMost || piece.number >= piece.pieces) return false;
   if (piece.view != view_ || piece.pieces != came_.size()) begin(piece);
   // All but the last one are full.
@@ -67,7 +67,7 @@ bool Assembly::take_description(const Piece& piece) {
   return true;
 }
 
-void Assembly::take_movement(const Piece& piece) {
+void Assembly::add_movement(const Piece& piece) {
   if (!scene_ || piece.view != shown_ || piece.number >= moving_.size()) return;
   const MovingGroup& group = scene_->moving[piece.number];
   const std::size_t each = group.numbers_of_item();
@@ -92,7 +92,7 @@ void Assembly::take_movement(const Piece& piece) {
   moving.changed = true;
 }
 
-void Assembly::tell_again() noexcept {
+void Assembly::report_all_again() noexcept {
   for (Moving& moving : moving_) moving.changed = true;
 }
 

@@ -26,13 +26,13 @@ class Assembly {
   };
 
   /// Whether a scene that is another than before is complete now.
-  bool take(const Piece& piece);
+  bool add(const Piece& piece);
 
   /// Null: none is complete.
   [[nodiscard]] const std::optional<Received>& scene() const noexcept { return scene_; }
 
   /// Somebody else looks: `take_moved` tells all that is known again.
-  void tell_again() noexcept;
+  void report_all_again() noexcept;
 
   /// The message `moved` of a page for what has moved since the last one; empty: nothing. What of a surface never came
   /// is where it is at rest in the description.
@@ -45,8 +45,8 @@ class Assembly {
     bool changed = false;
   };
 
-  bool take_description(const Piece& piece);
-  void take_movement(const Piece& piece);
+  bool add_description(const Piece& piece);
+  void add_movement(const Piece& piece);
   void begin(const Piece& piece);
   void add_surface(std::string& to, std::size_t group);
   void add_solids(std::string& to, std::size_t group);

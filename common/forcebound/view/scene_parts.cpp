@@ -46,7 +46,7 @@ Eigen::Quaterniond turn_to(const Eigen::Vector3d& axis) {
   return control::turn_between(Eigen::Vector3d::UnitZ(), axis);
 }
 
-bool take_plane(const Json& shape, ScenePart& part) {
+bool read_plane(const Json& shape, ScenePart& part) {
   const auto through = point_at(shape, "through_m");
   const auto normal = point_at(shape, "normal");
   if (!through || !normal || !(normal->norm() > 0)) return false;
@@ -56,7 +56,7 @@ bool take_plane(const Json& shape, ScenePart& part) {
   return true;
 }
 
-bool take_ball(const Json& shape, Kind kind, ScenePart& part) {
+bool read_ball(const Json& shape, Kind kind, ScenePart& part) {
   const auto middle = point_at(shape, "center_m");
   const auto radius = length_at(shape, "radius_m");
   if (!middle || !radius) return false;
@@ -66,7 +66,7 @@ bool take_ball(const Json& shape, Kind kind, ScenePart& part) {
   return true;
 }
 
-bool take_box(const Json& shape, ScenePart& part) {
+bool read_box(const Json& shape, ScenePart& part) {
   const auto middle = point_at(shape, "center_m");
   auto size = point_at(shape, "size_m", kEndless);
   if (!middle || !size) return false;
@@ -77,7 +77,7 @@ bool take_box(const Json& shape, ScenePart& part) {
   return true;
 }
 
-bool take_rod(const Json& shape, Kind kind, ScenePart& part) {
+bool read_rod(const Json& shape, Kind kind, ScenePart& part) {
   const auto from = point_at(shape, "from_m");
   const auto to = point_at(shape, "to_m");
   const auto radius = length_at(shape, "radius_m");
@@ -89,7 +89,7 @@ bool take_rod(const Json& shape, Kind kind, ScenePart& part) {
   return true;
 }
 
-bool take_torus(const Json& shape, ScenePart& part) {
+bool read_torus(const Json& shape, ScenePart& part) {
   constexpr std::uint32_t kAround = 48;
   constexpr std::uint32_t kThrough = 16;
   constexpr double kTurn = 2 * std::numbers::pi;
@@ -115,19 +115,19 @@ bool take_torus(const Json& shape, ScenePart& part) {
   return true;
 }
 
-bool take_shape(const Json& shape, ScenePart& part) {
+bool read_shape(const Json& shape, ScenePart& part) {
   const Json& kind = page::json_member(shape, "kind");
-  if (kind == "half_space") return take_plane(shape, part);
-  if (kind == "sphere") return take_ball(shape, Kind::sphere, part);
-  if (kind == "cavity") return take_ball(shape, Kind::cavity, part);
-  if (kind == "box") return take_box(shape, part);
-  if (kind == "cylinder") return take_rod(shape, Kind::cylinder, part);
-  if (kind == "capsule") return take_rod(shape, Kind::capsule, part);
-  if (kind == "torus") return take_torus(shape, part);
+  if (kind == "half_space") return read_plane(shape, part);
+  if (kind == "sphere") return read_ball(shape, Kind::sphere, part);
+  if (kind == "cavity") return read_ball(shape, Kind::cavity, part);
+  if (kind == "box") return read_box(shape, part);
+  if (kind == "cylinder") return read_rod(shape, Kind::cylinder, part);
+  if (kind == "capsule") return read_rod(shape, Kind::capsule, part);
+  if (kind == "torus") return read_torus(shape, part);
   return false;
 }
 
-bool take_mesh(const Json& mesh, ScenePart& part) {
+bool read_mesh(const Json& mesh, ScenePart& part) {
   const Json& vertices = page::json_member(mesh, "vertices_m");
   const Json& triangles = page::json_member(mesh, "triangles");
   if (!vertices.is_array() || !triangles.is_array()) return false;
@@ -147,8 +147,8 @@ bool take_mesh(const Json& mesh, ScenePart& part) {
   return true;
 }
 
-template <class Take>
-void add_parts(const std::string& list, Take take, std::vector<ScenePart>& parts) {
+template <class Read>
+void add_parts(const std::string& list, Read read, std::vector<ScenePart>& parts) {
   const Json elements = Json::parse("[" + list + "]", nullptr, false);
   if (!elements.is_array()) return;
   for (const Json& element : elements) {
@@ -157,7 +157,7 @@ void add_parts(const std::string& list, Take take, std::vector<ScenePart>& parts
     const Json& name = page::json_member(element, "name");
     if (name.is_string()) part.name = name.get<std::string>();
     part.moves = page::json_member(element, "moves") == true;
-    if (take(element, part)) parts.push_back(std::move(part));
+    if (read(element, part)) parts.push_back(std::move(part));
   }
 }
 
@@ -165,8 +165,8 @@ void add_parts(const std::string& list, Take take, std::vector<ScenePart>& parts
 
 std::vector<record::ScenePart> parts_of(const ShownScene& shown) {
   std::vector<ScenePart> parts;
-  add_parts(shown.shapes, take_shape, parts);
-  add_parts(shown.meshes, take_mesh, parts);
+  add_parts(shown.shapes, read_shape, parts);
+  add_parts(shown.meshes, read_mesh, parts);
   return parts;
 }
 

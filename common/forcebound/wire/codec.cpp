@@ -288,7 +288,7 @@ Decoded to_value(const v1::Refusal& from, std::size_t) noexcept {
 template <class Value, class Proto>
 Decoded taken(const Proto& from) noexcept {
   Value value;
-  const Flaws flaws = take(from, value);
+  const Flaws flaws = read(from, value);
   if (flaws.time.field != nullptr) return Malformed::unreadable;
   if (flaws.rows.field != nullptr || flaws.not_finite) return Malformed::non_finite;
   return Message{value};

@@ -16,11 +16,11 @@ void add_rows(const Rows& from, RepeatedNumbers* to) noexcept {
 }
 
 /// Converts fields one by one and notes invalid ones.
-class FieldTaker {
+class FieldReader {
  public:
   void time(std::int64_t ns, const char* field, Nanoseconds& to) noexcept {
     if (ns > kTimeMost.count() || ns < -kTimeMost.count()) {
-      note(flaws_.time, {.field = field, .got = ns, .most = kTimeMost.count()});
+      store_first(flaws_.time, {.field = field, .got = ns, .most = kTimeMost.count()});
     } else {
       to = Nanoseconds{ns};
     }
@@ -31,7 +31,7 @@ class FieldTaker {
     // A vector's storage has room for the joints of an arm; what travels belongs to tips.
     constexpr int kMost = std::is_same_v<Rows, control::Vector> ? control::kDofMax : Rows::MaxRowsAtCompileTime;
     if (from.size() > kMost) {
-      note(flaws_.rows, {.field = field, .got = from.size(), .most = kMost});
+      store_first(flaws_.rows, {.field = field, .got = from.size(), .most = kMost});
       return;
     }
     to.resize(from.size());
@@ -47,7 +47,7 @@ class FieldTaker {
   [[nodiscard]] const Flaws& flaws() const noexcept { return flaws_; }
 
  private:
-  static void note(Flaws::Flaw& first, const Flaws::Flaw& flaw) noexcept {
+  static void store_first(Flaws::Flaw& first, const Flaws::Flaw& flaw) noexcept {
     if (first.field == nullptr) first = flaw;
   }
 
@@ -197,7 +197,7 @@ void fill(const LocalModel& from, v1::EnvironmentForce& to) noexcept {
 }
 
 /// More than there is room for makes it unsound.
-void take(const v1::EnvironmentForce& from, LocalModel& to) noexcept {
+void read(const v1::EnvironmentForce& from, LocalModel& to) noexcept {
   constexpr int kRoom = static_cast<int>(LocalModel::kSurfacesMax);
   const bool fits = from.model_surface_size() <= kRoom && from.model_mass_size() <= 1 && from.model_field_size() <= 1;
   to.by_device_clock = (from.model_bits() & kByDeviceClock) != 0;
@@ -225,13 +225,13 @@ void fill(const control::Handle& from, v1::MotionSample& to) noexcept {
 }
 
 /// An orientation that has not four numbers is none.
-void take(const v1::MotionSample& from, FieldTaker& taker, control::Handle& to) noexcept {
+void read(const v1::MotionSample& from, FieldReader& reader, control::Handle& to) noexcept {
   if (from.has_buttons()) to.buttons = from.buttons();
-  if (from.has_gripper()) taker.number(static_cast<double>(from.gripper()), to.gripper.emplace());
+  if (from.has_gripper()) reader.number(static_cast<double>(from.gripper()), to.gripper.emplace());
   if (from.orientation_size() != static_cast<int>(control::Handle::Orientation{}.size())) return;
   control::Handle::Orientation& orientation = to.orientation.emplace();
   for (std::size_t i = 0; i < orientation.size(); ++i)
-    taker.number(static_cast<double>(from.orientation(static_cast<int>(i))), orientation.at(i));
+    reader.number(static_cast<double>(from.orientation(static_cast<int>(i))), orientation.at(i));
 }
 
 }  // namespace
@@ -251,18 +251,18 @@ void fill(const MotionSample& from, v1::MotionSample& to) noexcept {
   to.set_energy_given_j(from.energy_given_J);
 }
 
-Flaws take(const v1::MotionSample& from, MotionSample& to) noexcept {
-  FieldTaker taker;
+Flaws read(const v1::MotionSample& from, MotionSample& to) noexcept {
+  FieldReader reader;
   to.session = from.session();
   to.sequence = from.sequence();
-  taker.time(from.device_time_ns(), "device_time_ns", to.device_time);
-  taker.rows(from.position_m(), "position_m", to.position);
-  taker.rows(from.server_law_numbers(), "server_law_numbers", to.server_law_numbers);
+  reader.time(from.device_time_ns(), "device_time_ns", to.device_time);
+  reader.rows(from.position_m(), "position_m", to.position);
+  reader.rows(from.server_law_numbers(), "server_law_numbers", to.server_law_numbers);
   to.pieces = {.wanted = from.pieces_wanted(), .newest = from.piece_newest(), .before = from.piece_map()};
   to.challenge = from.challenge();
-  take(from, taker, to.handle);
-  taker.number(from.energy_given_j(), to.energy_given_J);
-  return taker.flaws();
+  read(from, reader, to.handle);
+  reader.number(from.energy_given_j(), to.energy_given_J);
+  return reader.flaws();
 }
 
 void fill(const EnvironmentForce& from, v1::EnvironmentForce& to) noexcept {
@@ -293,33 +293,33 @@ void fill(const EnvironmentForce& from, v1::EnvironmentForce& to) noexcept {
   if (!from.answer.model.empty()) fill(from.answer.model, to);
 }
 
-Flaws take(const v1::EnvironmentForce& from, EnvironmentForce& to) noexcept {
-  FieldTaker taker;
+Flaws read(const v1::EnvironmentForce& from, EnvironmentForce& to) noexcept {
+  FieldReader reader;
   to.session = from.session();
   to.sequence = from.sequence();
   to.motion_sequence = from.motion_sequence();
-  taker.time(from.motion_device_time_ns(), "motion_device_time_ns", to.motion_device_time);
-  taker.rows(from.force_n(), "force_N", to.answer.force);
-  taker.rows(from.torque_n_m(), "torque_N_m", to.answer.torque_N_m);
-  taker.rows(from.position_m(), "position_m", to.position);
-  taker.rows(from.contact_normal(), "contact_normal", to.answer.contact_normal);
-  taker.number(from.penetration_m(), to.answer.penetration_m);
-  taker.time(from.server_receive_time_ns(), "server_receive_time_ns", to.server_receive_time);
-  taker.time(from.server_send_time_ns(), "server_send_time_ns", to.server_send_time);
-  taker.time(from.compute_time_ns(), "compute_time_ns", to.compute_time);
+  reader.time(from.motion_device_time_ns(), "motion_device_time_ns", to.motion_device_time);
+  reader.rows(from.force_n(), "force_N", to.answer.force);
+  reader.rows(from.torque_n_m(), "torque_N_m", to.answer.torque_N_m);
+  reader.rows(from.position_m(), "position_m", to.position);
+  reader.rows(from.contact_normal(), "contact_normal", to.answer.contact_normal);
+  reader.number(from.penetration_m(), to.answer.penetration_m);
+  reader.time(from.server_receive_time_ns(), "server_receive_time_ns", to.server_receive_time);
+  reader.time(from.server_send_time_ns(), "server_send_time_ns", to.server_send_time);
+  reader.time(from.compute_time_ns(), "compute_time_ns", to.compute_time);
   to.motions_received = from.motions_received();
   to.motions_duplicated = from.motions_duplicated();
   to.motions_reordered = from.motions_reordered();
-  taker.number(from.texture_n(), to.answer.texture_N);
-  taker.rows(from.texture_wave_rad_per_m(), "texture_wave_rad_per_m", to.answer.texture_wave);
-  taker.rows(from.texture_across_rad_per_m(), "texture_across_rad_per_m", to.answer.texture_across);
-  taker.rows(from.server_law_numbers(), "server_law_numbers", to.server_law_numbers);
-  taker.rows(from.server_parts_n(), "server_parts_N", to.answer.server_parts_N);
+  reader.number(from.texture_n(), to.answer.texture_N);
+  reader.rows(from.texture_wave_rad_per_m(), "texture_wave_rad_per_m", to.answer.texture_wave);
+  reader.rows(from.texture_across_rad_per_m(), "texture_across_rad_per_m", to.answer.texture_across);
+  reader.rows(from.server_law_numbers(), "server_law_numbers", to.server_law_numbers);
+  reader.rows(from.server_parts_n(), "server_parts_N", to.answer.server_parts_N);
   to.answer.texture_in_server_parts = from.texture_in_server_parts();
   to.challenge = from.challenge();
   to.answer.follower = control::follower_state_of(from.follower_state());
-  take(from, to.answer.model);
-  return taker.flaws();
+  read(from, to.answer.model);
+  return reader.flaws();
 }
 
 }  // namespace forcebound::wire

@@ -1,6 +1,6 @@
 // A first program with the package: a wall too stiff for the device, bounded by the law.
+#include <forcebound/control/force_bounder.hpp>
 #include <forcebound/control/law_registry.hpp>
-#include <forcebound/control/passivity_controller.hpp>
 
 #include <algorithm>
 #include <cstdio>
@@ -15,7 +15,7 @@ int main() {
   facts.encoder_step = control::Vector::Zero(1);
   facts.actuator_step = control::Vector::Zero(1);
   facts.force_N_max = 30.0;
-  control::PassivityController controller(facts, control::force_bounding_laws().make("fba-more", facts));
+  control::ForceBounder bounder(facts, control::force_bounding_laws().make("fba-more", facts));
 
   const auto damping = control::Damping::from_matrix(facts.damping);
   const double stiffness_N_per_m = 150e3;
@@ -27,8 +27,7 @@ int main() {
     motion.position = motion.joint = control::Vector::Constant(1, position_m);
     motion.jacobian = control::Matrix::Identity(1, 1);
     motion.damping = &damping;
-    const control::Vector force =
-        controller.tick(motion, control::Vector::Constant(1, -stiffness_N_per_m * position_m));
+    const control::Vector force = bounder.tick(motion, control::Vector::Constant(1, -stiffness_N_per_m * position_m));
     stiffness_shown_max = std::max(stiffness_shown_max, -force(0) / position_m);
   }
   const double most = 2 * 30.0 / facts.period_s;  // [N/m] that a device of this damping can show passively

@@ -1,8 +1,8 @@
 // A consumer's own law: one class and one line of registration. It saturates at a force whose energy the device's
 // damping dissipates within a tick, whatever was stored before; --help, parameters and their errors come with it.
+#include <forcebound/control/force_bounder.hpp>
 #include <forcebound/control/held_force.hpp>
 #include <forcebound/control/law_registry.hpp>
-#include <forcebound/control/passivity_controller.hpp>
 
 #include <cstdio>
 #include <exception>
@@ -67,14 +67,14 @@ int main() {
   facts.damping = control::Matrix::Constant(1, 1, 30.0);  // N s/m
   facts.friction = facts.encoder_step = facts.actuator_step = Vector::Zero(1);
   facts.force_N_max = 30.0;
-  control::PassivityController controller(facts, laws.make("cautious", facts));
+  control::ForceBounder bounder(facts, laws.make("cautious", facts));
 
   const auto damping = control::Damping::from_matrix(facts.damping);
   Motion motion;
   motion.position = motion.joint = Vector::Zero(1);
   motion.jacobian = control::Matrix::Identity(1, 1);
   motion.damping = &damping;
-  const double force_N = -controller.tick(motion, Vector::Constant(1, -20.0))[0];
+  const double force_N = -bounder.tick(motion, Vector::Constant(1, -20.0))[0];
   std::printf("%sasked for 20 N, got %.3f N\n", laws.help("cautious").c_str(), force_N);
   // T f^2 / 4b = reserve
   const bool as_chosen = force_N > 1.0954 && force_N < 1.0955;

@@ -36,7 +36,7 @@ int main() try {
     leader.position[2] = 0.03 * std::clamp(1e-3 * tick - 1, 0.0, 1.0);
     leader.arrived = clock.time;
     leader.energy_given_J += 2e-3;
-    follower.hear(leader);
+    follower.receive(leader);
   }
   const double moved_m = follower.report().picture.tool.position.z() - before_m;
   follower.stop(clock.time);

@@ -28,7 +28,7 @@ class ScriptedClient {
 
   void run() {
     for (int step = 0; step < kTicksMax && !script_.ended(); ++step) {
-      take_step();
+      run_step();
       check();
     }
     for (int step = 0; step < 4; ++step) {
@@ -45,7 +45,7 @@ class ScriptedClient {
     return {.triangles = 1000, .heights = 1000, .shape_bytes = 1U << 20U, .nodes_of_a_build = 100'000};
   }
 
-  void take_step() {
+  void run_step() {
     switch (script_.byte() % 12) {
       case 0:
         tick(1);

@@ -56,7 +56,7 @@ class ScriptedNetwork {
 
   void run() {
     for (int step = 0; step < kStepsMost && !script_.ended(); ++step) {
-      take_step();
+      run_step();
       must(server_.confirmed() <= limits_.confirmed_most(), "more sessions of keys than allowed");
       must(server_.unconfirmed() <= server::SecureLink::kUnconfirmedMost, "too many sessions that nobody confirmed");
     }
@@ -73,7 +73,7 @@ class ScriptedNetwork {
     std::uint16_t port = 1;
   };
 
-  void take_step() {
+  void run_step() {
     switch (script_.byte() % 10) {
       case 0:
         client_tick();
@@ -187,7 +187,7 @@ class ScriptedNetwork {
   void arrive(Held datagram, bool changed) {
     if (datagram.to_server) {
       const net::Address from{.ip = {2}, .port = datagram.port};
-      const auto opened = server_.take_in(datagram.bytes, from, clock_.time);
+      const auto opened = server_.accept(datagram.bytes, from, clock_.time);
       while (server_.has_waiting()) server_.answer_waiting(clock_.time);
       if (opened) on_opened(opened->bytes, 'c', changed);
       std::size_t answered = 0;

@@ -21,18 +21,18 @@ void fuzz_handover(Bytes bytes) {
     handover::SceneAssembly assembly(announcement, scene::Registry::standard(), limits);
     for (std::size_t piece = 0; piece < handover::manifest_pieces(manifest.size()); ++piece) {
       const std::size_t begin = piece * handover::kPieceBytesMax;
-      assembly.take(piece, manifest.subspan(begin, std::min(handover::kPieceBytesMax, manifest.size() - begin)));
+      assembly.add(piece, manifest.subspan(begin, std::min(handover::kPieceBytesMax, manifest.size() - begin)));
     }
     must(assembly.can_build(), "the manifest is there, but nothing can be built");
     (void)assembly.build();
     for (std::size_t piece = assembly.pieces_here(); piece < announcement.pieces; ++piece) {
-      assembly.take(piece, script.take(handover::kPieceBytesMax));
+      assembly.add(piece, script.take(handover::kPieceBytesMax));
     }
     (void)assembly.build();
   });
   may_refuse([&] {
     handover::SceneAssembly assembly(announcement, scene::Registry::standard(), limits);
-    assembly.take_content(content);
+    assembly.add_content(content);
     (void)assembly.build();
   });
 }

@@ -24,7 +24,7 @@ class ScriptedServer {
 
   void run() {
     for (int step = 0; step < kStepsMax && !script_.ended(); ++step) {
-      take_step();
+      run_step();
       check();
     }
     server_.stop();
@@ -33,7 +33,7 @@ class ScriptedServer {
   }
 
  private:
-  void take_step() {
+  void run_step() {
     constexpr std::string_view kScenes[] = {"", "wall", "sphere", "spere"};
     constexpr std::string_view kLaws[] = {"", "wave", "two-layer", "tdpa"};
     switch (script_.byte() % 9) {

@@ -17,11 +17,11 @@ void must_be_json(const std::string& text) {
 void describe(std::string_view text, view::Assembly& assembly) {
   const view::Description description{.text = std::string(text), .hash = view::hash_of(text)};
   for (std::uint32_t number = 0; number < description.pieces(); ++number) {
-    (void)assembly.take({.session = kSession,
-                         .view = description.hash,
-                         .pieces = description.pieces(),
-                         .number = number,
-                         .content = description.piece(number)});
+    (void)assembly.add({.session = kSession,
+                        .view = description.hash,
+                        .pieces = description.pieces(),
+                        .number = number,
+                        .content = description.piece(number)});
   }
   if (assembly.scene()) must_be_json(view::scene_message(0, assembly.scene()->shown));
 }
@@ -41,7 +41,7 @@ void fuzz_view(Bytes bytes) {
     piece.number = script.byte();
     piece.first = script.value<std::uint16_t>();
     piece.content = script.take(script.byte());
-    (void)assembly.take(piece);
+    (void)assembly.add(piece);
     must_be_json(assembly.take_moved(0));
   }
 }

@@ -226,7 +226,7 @@ static void wait_ms(long ms) {
   nanosleep(&pause, NULL);
 }
 
-static void* crash_when_told(void* arm) {
+static void* crash_when_ordered(void* arm) {
   while (!has_file(arm, "fault")) wait_ms(1);
   crash();
   return NULL;
@@ -238,11 +238,11 @@ static int arm_start(forcebound_device* arm) {
     snprintf(arm->error, sizeof arm->error, "its emergency stop is pressed");
     return FORCEBOUND_FAILED;
   }
-  if (is(arm, "crash-thread")) return pthread_create(&arm->thread, NULL, crash_when_told, arm) == 0 ? 0 : 2;
+  if (is(arm, "crash-thread")) return pthread_create(&arm->thread, NULL, crash_when_ordered, arm) == 0 ? 0 : 2;
   return FORCEBOUND_OK;
 }
 
-static void tell(forcebound_device* arm, int64_t now_ns, forcebound_robot_reading* reading) {
+static void report(forcebound_device* arm, int64_t now_ns, forcebound_robot_reading* reading) {
   const arm_body* const body = &arm->body;
   int i;
   reading->latched_ns = now_ns;
@@ -280,13 +280,13 @@ static int arm_read(forcebound_device* arm, int64_t now_ns, forcebound_robot_rea
   arm_body_pass(&arm->body, now_ns);
   arm->misread = 0;
   if (!misbehaves_now(arm)) {
-    tell(arm, now_ns, reading);
+    report(arm, now_ns, reading);
     return FORCEBOUND_OK;
   }
   misbehave_in_read(arm);
   if (is(arm, "stale") && arm->readings % 2 == 0) return FORCEBOUND_STALE;
   if (is(arm, "stops") && !arm_body_is_stopped(&arm->body)) arm_body_stop(&arm->body);
-  tell(arm, now_ns, reading);
+  report(arm, now_ns, reading);
   arm->misread = is_bad_reading(arm);
   if (is(arm, "nan")) reading->position_rad[1] = NAN;
   if (is(arm, "jump")) reading->position_rad[1] += 1;
@@ -299,7 +299,7 @@ static int arm_read(forcebound_device* arm, int64_t now_ns, forcebound_robot_rea
   return FORCEBOUND_FAILED;
 }
 
-static void note_torque(forcebound_device* arm, const forcebound_robot_command* command) {
+static void count_torque(forcebound_device* arm, const forcebound_robot_command* command) {
   int pushes = 0;
   int i;
   for (i = 0; i < ARM_JOINTS; ++i) pushes = pushes || command->torque_N_m[i] != 0;
@@ -312,7 +312,7 @@ static void note_torque(forcebound_device* arm, const forcebound_robot_command* 
 
 static int arm_command(forcebound_device* arm, const forcebound_robot_command* command) {
   arm->error[0] = '\0';
-  note_torque(arm, command);
+  count_torque(arm, command);
   if (misbehaves_now(arm)) {
     if (is(arm, "hang-command")) hang();
     if (is(arm, "crash-command")) crash();

@@ -167,7 +167,7 @@ static int faulty_describe(forcebound_device* rails, forcebound_facts* facts) {
   return FORCEBOUND_OK;
 }
 
-static void* crash_when_told(void* rails) {
+static void* crash_when_ordered(void* rails) {
   const struct timespec look = {0, 1000000};
   while (!has_file(rails, "fault")) nanosleep(&look, NULL);
   crash();
@@ -177,7 +177,7 @@ static void* crash_when_told(void* rails) {
 static int faulty_start(forcebound_device* rails) {
   pthread_t thread;
   if (is(rails, "crash-start")) crash();
-  if (is(rails, "crash-thread") && pthread_create(&thread, NULL, crash_when_told, rails) != 0) return FORCEBOUND_FAILED;
+  if (is(rails, "crash-thread") && pthread_create(&thread, NULL, crash_when_ordered, rails) != 0) return FORCEBOUND_FAILED;
   if (!is(rails, "stop")) memset(rails->force_N, 0, sizeof rails->force_N);
   return FORCEBOUND_OK;
 }
@@ -265,7 +265,7 @@ static int pushes(const forcebound_command* command) {
   return 0;
 }
 
-static void note_force(forcebound_device* rails) {
+static void count_force(forcebound_device* rails) {
   if (rails->misread) {
     ++rails->forces_after_bad;
   } else if (__atomic_add_fetch(&rails->forces_after_good, 1, __ATOMIC_SEQ_CST) == 1) {
@@ -285,7 +285,7 @@ static int faulty_command(forcebound_device* rails, const forcebound_command* co
   const struct timespec pause_2_ms = {0, 2000000};
   int i;
   pass(rails, command->at_ns);
-  if (pushes(command)) note_force(rails);
+  if (pushes(command)) count_force(rails);
   if (rails->control[0] == '\0' ? command->force_N[1] != 0 : misbehaves_now(rails)) misbehave_in_push(rails);
   if (rails->unplugged && !is(rails, "remembers")) return FORCEBOUND_UNPLUGGED;
   if (rails->unplugged && pushes(command)) write_numbers(rails, "remembered", 1, 0);

@@ -42,11 +42,11 @@ void InverseService::end_session() {
 std::string InverseService::answer(std::string_view message) {
   const std::scoped_lock lock(guard_);
   const Json asked = Json::parse(message.begin(), message.end(), nullptr, false);
-  if (asked.is_object()) take(asked);
+  if (asked.is_object()) obey(asked);
   return instead_of(states());
 }
 
-void InverseService::take(const Json& command) {
+void InverseService::obey(const Json& command) {
   const Json basis = command.value("/session/configure/basis/permutation"_json_pointer, Json());
   if (basis.is_string()) basis_ = basis.get<std::string>();
   if (!command.contains("inverse3") || !command["inverse3"].is_array()) return;

@@ -34,7 +34,7 @@ class InverseService {
   [[nodiscard]] nlohmann::json inventory();
   [[nodiscard]] nlohmann::json states();
   void add_grip(nlohmann::json& message, std::uint32_t buttons) const;
-  void take(const nlohmann::json& command);
+  void obey(const nlohmann::json& command);
   [[nodiscard]] std::string instead_of(const nlohmann::json& message) const;
   void look(const std::string& text);
 

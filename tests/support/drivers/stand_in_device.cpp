@@ -111,8 +111,8 @@ StandInDevice::StandInDevice(StandInSettings settings)
     control_ = ::open(settings.control.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
     if (control_ < 0) throw std::runtime_error(settings.control + ": " + std::strerror(errno));
   }
-  note_position(device_.truth().position);
-  note(advance(), "start");
+  store_position(device_.truth().position);
+  write_row(advance(), "start");
   thread_ = std::thread([this] { run(); });
 }
 
@@ -123,7 +123,7 @@ StandInDevice::~StandInDevice() {
   }
   ends_.notify_all();
   thread_.join();
-  note(advance(), "end");
+  write_row(advance(), "end");
   if (log_ != nullptr) std::fclose(log_);
   if (control_ >= 0) ::close(control_);
 }
@@ -132,7 +132,7 @@ std::optional<StandIn::State> StandInDevice::read() {
   const std::scoped_lock lock(guard_);
   const Nanoseconds now = advance();
   if (!plugged_) return std::nullopt;
-  note(now, "read");
+  write_row(now, "read");
   return state();
 }
 
@@ -142,7 +142,7 @@ bool StandInDevice::command(const Axes& force_N) {
   if (!plugged_) return false;
   commanded_ = now;
   push(now, enabled_ ? force_N : Axes{});
-  note(now, "command");
+  write_row(now, "command");
   return true;
 }
 
@@ -153,7 +153,7 @@ bool StandInDevice::enable(bool on) {
   begun_ = begun_ || on;
   enabled_ = on;
   push(now, {});
-  note(now, on ? "enable" : "disable");
+  write_row(now, on ? "enable" : "disable");
   return true;
 }
 
@@ -172,13 +172,13 @@ void StandInDevice::plug(bool in) {
   plugged_ = in;
   enabled_ = false;
   push(now, {});
-  note(now, in ? "plug" : "unplug");
+  write_row(now, in ? "plug" : "unplug");
 }
 
 void StandInDevice::press(std::uint32_t buttons) {
   const std::scoped_lock lock(guard_);
   buttons_ = buttons;
-  note(advance(), "press");
+  write_row(advance(), "press");
 }
 
 StandIn::State StandInDevice::look() {
@@ -196,7 +196,7 @@ bool StandInDevice::obey(std::string_view line) {
     press(static_cast<std::uint32_t>(*value));
   } else if (word == "mark") {
     const std::scoped_lock lock(guard_);
-    note(advance(), "mark");
+    write_row(advance(), "mark");
   } else if (word == "hold" && value && *value >= 0) {
     set_hold(*value);
   } else {
@@ -214,13 +214,13 @@ Nanoseconds StandInDevice::advance() {
   const Nanoseconds due = commanded_ + hold_;
   if (holds && due <= now) {
     push(due, {});
-    note(due, "release");
+    write_row(due, "release");
   }
-  note_position(device_.read(now).position);
+  store_position(device_.read(now).position);
   return now;
 }
 
-void StandInDevice::note_position(const device::Vector& tip) {
+void StandInDevice::store_position(const device::Vector& tip) {
   for (int axis = 0; axis < kAxes; ++axis) position_m_[static_cast<std::size_t>(axis)] = tip[axis];
 }
 
@@ -238,7 +238,7 @@ StandIn::State StandInDevice::state() const {
           .least_energy_J = audit.minimum_J};
 }
 
-void StandInDevice::note(Nanoseconds at, const char* event) {
+void StandInDevice::write_row(Nanoseconds at, const char* event) {
   if (log_ == nullptr) return;
   const State now = state();
   std::fprintf(log_, "%.9f,%s,%.7g,%.7g,%.7g,%.9g,%.9g,%.9g,%.6g,%.6g\n", time::to_seconds(at), event,
@@ -251,13 +251,13 @@ void StandInDevice::run() {
   while (!ends_.wait_for(lock, 1ms, [this] { return ending_; })) {
     (void)advance();
     lock.unlock();
-    take_control();
+    read_control();
     lock.lock();
   }
 }
 
 /// Only on the thread.
-void StandInDevice::take_control() {
+void StandInDevice::read_control() {
   if (control_ < 0) return;
   std::array<char, 64> bytes{};
   const ssize_t count = ::read(control_, bytes.data(), bytes.size());

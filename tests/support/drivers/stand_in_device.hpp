@@ -57,12 +57,12 @@ class StandInDevice final : public StandIn {
 
  private:
   [[nodiscard]] time::Nanoseconds advance();
-  void note_position(const device::Vector& tip);
+  void store_position(const device::Vector& tip);
   void push(time::Nanoseconds now, const Axes& force_N);
-  void note(time::Nanoseconds at, const char* event);
+  void write_row(time::Nanoseconds at, const char* event);
   [[nodiscard]] State state() const;
   void run();
-  void take_control();
+  void read_control();
 
   std::mutex guard_;
   std::condition_variable ends_;

@@ -130,7 +130,7 @@ Study study_of(const AccuracyOptions& options) {
 nlohmann::ordered_json carried_out(const AccuracyOptions& options) {
   program::Progress progress;
   const StudyResult result = carry_out(study_of(options), time::SteadyClock(),
-                                       [&](double done) { progress.tell(done, "running the settings"); });
+                                       [&](double done) { progress.report(done, "running the settings"); });
   progress.clear();
   std::printf("%s\n%s", text::printable_lines(to_text(result)).c_str(),
               text::wrapped(recommendation(result, options.budget_us) + what_does_not_matter(result), 2).c_str());

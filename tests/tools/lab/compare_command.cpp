@@ -67,7 +67,7 @@ ComparisonSettings settings_of(const CompareOptions& options) {
   if (settings.networks.empty()) {
     StandardNetworks standard = standard_networks();
     settings.networks = std::move(standard.networks);
-    note_left_out(standard.absent);
+    report_left_out(standard.absent);
   }
   if (!options.no_limits) {
     for (const double ms : options.delays_ms) settings.delays_s.push_back(1e-3 * ms);
@@ -79,8 +79,8 @@ nlohmann::ordered_json run_standings(const CompareOptions& options) {
   program::Progress progress;
   const ComparisonResult result =
       run_comparison(settings_of(options), time::SteadyClock(), [&](std::size_t done, std::size_t all) {
-        progress.tell(static_cast<double>(done) / static_cast<double>(all),
-                      std::to_string(done) + " of " + std::to_string(all) + " steps");
+        progress.report(static_cast<double>(done) / static_cast<double>(all),
+                        std::to_string(done) + " of " + std::to_string(all) + " steps");
       });
   progress.clear();
   if (!options.csv.empty()) text::write_file(options.csv, to_csv(result));

@@ -39,8 +39,8 @@ void run(const IdentificationOptions& options) {
          .confidence = options.identify.confidence,
          .guide = options.identify.guide},
         [&](std::uint64_t done) {
-          progress.tell(static_cast<double>(done) / static_cast<double>(options.devices),
-                        std::to_string(done) + " of " + std::to_string(options.devices) + " devices");
+          progress.report(static_cast<double>(done) / static_cast<double>(options.devices),
+                          std::to_string(done) + " of " + std::to_string(options.devices) + " devices");
         });
   }();
   std::cout << text::counted(options.devices, "simulated device", "simulated devices") << " with hidden facts, seed "

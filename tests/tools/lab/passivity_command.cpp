@@ -57,8 +57,8 @@ std::vector<PassivityResult> run_all(const PassivitySettings& settings) {
   program::Progress progress;
   std::vector<PassivityResult> results;
   for (const PassivityCondition& condition : conditions) {
-    progress.tell(static_cast<double>(results.size()) / static_cast<double>(conditions.size()),
-                  std::to_string(results.size()) + " of " + std::to_string(conditions.size()) + " conditions");
+    progress.report(static_cast<double>(results.size()) / static_cast<double>(conditions.size()),
+                    std::to_string(results.size()) + " of " + std::to_string(conditions.size()) + " conditions");
     results.push_back(worst_passivity(condition, settings));
   }
   return results;

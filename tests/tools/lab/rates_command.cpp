@@ -74,8 +74,8 @@ void run(const RatesOptions& options) {
   results::prepare({.files = {options.csv}, .figures = {options.figure}, .formats = options.formats});
   program::Progress progress;
   const auto results = run_rate_study(options.settings, [&](std::size_t done, std::size_t all) {
-    progress.tell(static_cast<double>(done) / static_cast<double>(all),
-                  std::to_string(done) + " of " + std::to_string(all) + " searches");
+    progress.report(static_cast<double>(done) / static_cast<double>(all),
+                    std::to_string(done) + " of " + std::to_string(all) + " searches");
   });
   progress.clear();
   const text::Table table = table_of(results);

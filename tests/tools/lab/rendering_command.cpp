@@ -71,7 +71,7 @@ void run_live(const RenderingOptions& options) {
   {
     program::Progress progress;
     for (const std::string& file : options.live) {
-      progress.tell(static_cast<double>(runs.size()) / static_cast<double>(options.live.size()), "reading the runs");
+      progress.report(static_cast<double>(runs.size()) / static_cast<double>(options.live.size()), "reading the runs");
       runs.push_back(read_live_run(file));
     }
   }
@@ -79,9 +79,10 @@ void run_live(const RenderingOptions& options) {
 }
 
 Json carried_out_rendering(const RenderingStudySettings& settings) {
-  note_left_out(standard_networks().absent);
+  report_left_out(standard_networks().absent);
   program::Progress progress;
-  return rendering_json(settings, study_rendering(settings, [&](double share) { progress.tell(share, "rendering"); }));
+  return rendering_json(settings,
+                        study_rendering(settings, [&](double share) { progress.report(share, "rendering"); }));
 }
 
 Json read_rendering(const std::string& file) {

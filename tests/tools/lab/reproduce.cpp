@@ -137,8 +137,8 @@ void reproduce(const ReproduceOptions& options) {
     text::Table table = empty_table();
     results::LawsFigure figure(experiment.title(), "each law on the same device, with the same hand");
     for (const std::string& law : laws) {
-      progress.tell(static_cast<double>(runs.size()) / static_cast<double>(all.size() * laws.size()),
-                    std::to_string(runs.size()) + " of " + std::to_string(all.size() * laws.size()) + " runs");
+      progress.report(static_cast<double>(runs.size()) / static_cast<double>(all.size() * laws.size()),
+                      std::to_string(runs.size()) + " of " + std::to_string(all.size() * laws.size()) + " runs");
       const ExperimentRun done = run_experiment(experiment, law, options.figures.empty() ? nullptr : &figure);
       progress.clear();
       add_row(table, experiment, done);

@@ -157,7 +157,7 @@ void run(const SoakOptions& options) {
     }
     const double share = options.minutes > 0 ? tally.elapsed_s() / (options.minutes * 60)
                                              : static_cast<double>(i + 1) / static_cast<double>(options.seeds);
-    progress.tell(share, tally.short_line());
+    progress.report(share, tally.short_line());
     if (live || tally.elapsed_s() < next_s) continue;
     next_s = tally.elapsed_s() + kBetween_s;
     std::fprintf(stderr, "%s\n", tally.line().c_str());

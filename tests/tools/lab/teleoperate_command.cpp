@@ -73,7 +73,7 @@ void run(TeleoperateOptions& options) {
   study.tasks = options.tasks == std::vector<std::string>{kAll} ? server::task_names() : options.tasks;
   if (options.networks.empty()) {
     StandardNetworks standard = teleoperation_networks();
-    note_left_out(standard.absent);
+    report_left_out(standard.absent);
     study.networks = std::move(standard.networks);
   }
   for (const std::string& words : options.networks) study.networks.push_back(network_of(words));
@@ -96,7 +96,7 @@ void run(TeleoperateOptions& options) {
   std::vector<TeleoperationRow> rows;
   {
     program::Progress progress;
-    rows = study_teleoperation(study, [&](double share) { progress.tell(share, "teleoperation"); });
+    rows = study_teleoperation(study, [&](double share) { progress.report(share, "teleoperation"); });
   }
   const std::vector<TeleoperationGroup> groups = groups_of(rows);
   const text::Table table = teleoperation_table(groups);

@@ -168,7 +168,7 @@ void run(const ViolationsOptions& options) {
   for (const Place& place : places) {
     table.add_heading(place.device);
     for (const Violation& violation : all) {
-      progress.tell(static_cast<double>(done++) / static_cast<double>(places.size() * all.size()), violation.name);
+      progress.report(static_cast<double>(done++) / static_cast<double>(places.size() * all.size()), violation.name);
       KinematicGame game = game_of(violation, place.device);
       const double exact_J = least_J(game, options.seeds);
       const std::string shown_exact = displayed(place.experiment, game.facts);

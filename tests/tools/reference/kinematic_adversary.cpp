@@ -27,7 +27,7 @@ class Opponent {
         game_(game),
         facts_(game.facts),
         dof_(facts_.damping.rows()),
-        told_damping_(Damping::from_matrix(facts_.damping)),
+        reported_damping_(Damping::from_matrix(facts_.damping)),
         damping_((1 - game.truth.damping_share) * facts_.damping),
         friction_((1 - game.truth.friction_share) * facts_.friction),
         draining_(sometimes(0.5)),
@@ -124,11 +124,11 @@ class Opponent {
   Motion read(double stamped_s) {
     Motion motion;
     motion.interval_s = begun_ ? (stamped_s - stamped_s_) * clock_rate_ : 0;
-    motion.latency_s = told_latency_s_;
+    motion.latency_s = reported_latency_s_;
     report_times(motion);
     motion.latency_s_max = facts_.latency_s + kChoosing_s;
     motion.write_failed = failed_ && game_.truth.failures_reported;
-    if (game_.truth.impossible_intervals > 0) tell_the_impossible(motion);
+    if (game_.truth.impossible_intervals > 0) report_the_impossible(motion);
     begun_ = true;
     stamped_s_ = stamped_s;
     latched_s_ = now_s_;
@@ -148,7 +148,7 @@ class Opponent {
       if (sometimes(0.1)) motion.jacobian.col(0).setZero();
     }
     jacobian_ = motion.jacobian;
-    motion.damping = &told_damping_;
+    motion.damping = &reported_damping_;
     return motion;
   }
 
@@ -164,7 +164,7 @@ class Opponent {
   }
 
   /// A stamp that is wrong spoils the interval before it and the one after it, which may be any.
-  void tell_the_impossible(Motion& motion) {
+  void report_the_impossible(Motion& motion) {
     if (spoilt_) {
       motion.interval_s =
           sometimes(0.5) ? motion.interval_s + 2e-3 * number(0, 1) : motion.interval_s * std::pow(10, number(-3, 0));
@@ -186,11 +186,11 @@ class Opponent {
   }
 
   void write(control::PassivityLaw& law, Vector force) {
-    // Chosen, it takes a while until it is written; the law is asked again, as PassivityController does.
+    // Chosen, it takes a while until it is written; the law is asked again, as ForceBounder does.
     const double took_s = game_.late_ticks && sometimes(0.5) ? number(0, 1.2) * kChoosing_s : 0;
     const double written_s = std::max(stamped_s_ + took_s / clock_rate_, latched_s_);
-    told_latency_s_ = (written_s - stamped_s_) * clock_rate_ + facts_.latency_s;
-    if (!law.allows(force, told_latency_s_)) force.setZero();
+    reported_latency_s_ = (written_s - stamped_s_) * clock_rate_ + facts_.latency_s;
+    if (!law.allows(force, reported_latency_s_)) force.setZero();
     law.commit(force);
     commanded_s_ = written_s;
     failed_ = sometimes(game_.truth.failed_writes);
@@ -221,7 +221,7 @@ class Opponent {
         now_s_ = next_s;
       }
       let_go();
-      if (!commands_.empty() && commands_.front().effect_s <= now_s_) take_effect();
+      if (!commands_.empty() && commands_.front().effect_s <= now_s_) apply_command();
     }
   }
 
@@ -244,7 +244,7 @@ class Opponent {
     }
   }
 
-  void take_effect() {
+  void apply_command() {
     command_ = gain_.cwiseProduct(commands_.front().torque);
     effect_s_ = commands_.front().effect_s;
     commands_.erase(commands_.begin());
@@ -324,7 +324,7 @@ class Opponent {
   const KinematicGame& game_;
   const control::DeviceFacts& facts_;
   Eigen::Index dof_;
-  Damping told_damping_;
+  Damping reported_damping_;
   Matrix damping_;
   Vector friction_;
   bool draining_;
@@ -350,7 +350,7 @@ class Opponent {
   bool begun_ = false;
   bool failed_ = false;
   bool spoilt_ = false;
-  double told_latency_s_ = 0;
+  double reported_latency_s_ = 0;
 
   Vector gain_;      ///< what a motor makes of a command is so many times that
   double offset_s_;  ///< of the latency

@@ -51,7 +51,7 @@ void LogWriter::run() {
   using namespace std::chrono_literals;
   while (!stop_) {
     drain();
-    tell_if_incomplete();
+    report_if_incomplete();
     std::this_thread::sleep_for(20ms);
   }
 }
@@ -61,7 +61,7 @@ std::string LogWriter::problem() const {
   return "the disk was slower than the network";
 }
 
-void LogWriter::tell_if_incomplete() {
+void LogWriter::report_if_incomplete() {
   if (!incomplete_) return;
   const std::string why = problem();
   if (!why.empty()) std::exchange(incomplete_, {})(why);

@@ -52,7 +52,7 @@ class LogWriter final : public PacketObserver {
   void write(std::size_t rows);
   bool write_text();
   [[nodiscard]] std::string problem() const;
-  void tell_if_incomplete();
+  void report_if_incomplete();
 
   int file_;
   PacketRows rows_;

@@ -71,7 +71,7 @@ bool Relay::forward_one(Direction direction, Nanoseconds now) {
   const auto departure = way(direction).pop(now);
   if (!departure) return false;
   send(direction, *departure);
-  note_lateness(now - departure->time());
+  count_lateness(now - departure->time());
   if (observer_ != nullptr) observer_->on_departure(direction, departure->verdict);
   return true;
 }
@@ -87,7 +87,7 @@ void Relay::send(Direction direction, const netem::Departure& departure) {
   if (!sent) ++counters_.send_failed;
 }
 
-void Relay::note_lateness(Nanoseconds late) noexcept {
+void Relay::count_lateness(Nanoseconds late) noexcept {
   ++lateness_.packets;
   lateness_.total += late;
   lateness_.most = std::max(lateness_.most, late);

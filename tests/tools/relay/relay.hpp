@@ -106,7 +106,7 @@ class Relay {
   void push(Direction direction, Nanoseconds now, std::size_t bytes, std::uint64_t flow);
   bool forward_one(Direction direction, Nanoseconds now);
   void send(Direction direction, const netem::Departure& departure);
-  void note_lateness(Nanoseconds late) noexcept;
+  void count_lateness(Nanoseconds late) noexcept;
   Flow* find_or_open(const Address& client, Nanoseconds now);
   Flow* find(std::uint64_t id) noexcept;
   netem::Impairment& way(Direction direction) noexcept { return direction == Direction::up ? up_ : down_; }

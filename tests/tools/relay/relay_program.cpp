@@ -147,7 +147,7 @@ class ServerWords {
   void say_what_is_new() {
     for (const std::string& found : upstream_.take_news()) spdlog::info("server {}", found);
     const std::uint64_t lookups = lookup_.ended();
-    if (lookups == std::exchange(told_of_, lookups)) return;
+    if (lookups == std::exchange(reported_of_, lookups)) return;
     std::string problem = lookup_.problem();
     if (problem == std::exchange(problem_, problem) || problem.empty()) return;
     spdlog::warn("{}; trying again while clients are there", problem);
@@ -156,7 +156,7 @@ class ServerWords {
  private:
   UdpUpstream& upstream_;
   const net::NameLookup& lookup_;
-  std::uint64_t told_of_ = 0;
+  std::uint64_t reported_of_ = 0;
   std::string problem_{};
 };
 

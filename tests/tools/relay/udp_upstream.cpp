@@ -43,8 +43,8 @@ std::vector<std::string> UdpUpstream::take_news() {
   std::vector<std::string> all;
   for (const auto& link : links_) {
     // Each client finds it; what all of them find is said once.
-    if (std::string found = link->take_news(); !found.empty() && found != told_)
-      all.push_back(told_ = std::move(found));
+    if (std::string found = link->take_news(); !found.empty() && found != reported_)
+      all.push_back(reported_ = std::move(found));
   }
   return all;
 }

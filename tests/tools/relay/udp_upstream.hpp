@@ -40,7 +40,7 @@ class UdpUpstream final : public UpstreamLinks {
   std::vector<int> descriptors_;  // as links_
   std::uint64_t refused_of_closed_ = 0;
   bool failure_reported_ = false;
-  std::string told_{};
+  std::string reported_{};
 };
 
 }  // namespace forcebound::relay

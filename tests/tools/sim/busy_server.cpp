@@ -18,8 +18,8 @@ std::optional<Nanoseconds> BusyServer::next_event() const noexcept {
 }
 
 void BusyServer::end_turn(
-    const std::function<void(std::span<const std::byte>, const Address&, Nanoseconds arrival)>& take_in) {
-  for (const Datagram& datagram : in_turn_) take_in(datagram.bytes, datagram.from, datagram.arrival);
+    const std::function<void(std::span<const std::byte>, const Address&, Nanoseconds arrival)>& receive) {
+  for (const Datagram& datagram : in_turn_) receive(datagram.bytes, datagram.from, datagram.arrival);
   in_turn_ = std::move(waiting_);
   waiting_.clear();
   turn_ends_ += turn_;

@@ -27,7 +27,7 @@ class BusyServer {
   [[nodiscard]] std::optional<Nanoseconds> next_event() const noexcept;
 
   /// To be called then: returns all datagrams of this turn, in order, and begins the next turn.
-  void end_turn(const std::function<void(std::span<const std::byte>, const Address&, Nanoseconds arrival)>& take_in);
+  void end_turn(const std::function<void(std::span<const std::byte>, const Address&, Nanoseconds arrival)>& receive);
 
   /// The server is killed: drops all that waits.
   void forget() noexcept;

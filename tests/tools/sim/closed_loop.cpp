@@ -40,7 +40,7 @@ ClosedLoop::ClosedLoop(Settings settings, const std::vector<record::TickSink*>& 
           settings_.flaws),
       surface_(settings_.own_environment ? nullptr : settings_.scene, device_),
       summary_(info()) {
-  if (settings_.told) told_.emplace(device_, *settings_.told);
+  if (settings_.told) described_.emplace(device_, *settings_.told);
   surface_.hand_on_to(sinks);
   surface_.hand_on_to({&summary_});
   network_.set_server_handler([this](std::span<const std::byte> datagram, const Address& from, Nanoseconds now) {
@@ -65,7 +65,7 @@ ClosedLoop::ClosedLoop(Settings settings, const std::vector<record::TickSink*>& 
                                .local = local(),
                                .force_slew_N_per_s = settings_.force_slew_N_per_s,
                                .send_rate = settings_.send_rate},
-      device_as_told(), settings_.laws->make(settings_.law, device_as_told().facts(), settings_.law_options),
+      device_as_described(), settings_.laws->make(settings_.law, device_as_described().facts(), settings_.law_options),
       network_.add_client(), tick_clock_, client::Session::Sinks{.ticks = session_sinks_});
 }
 
@@ -154,7 +154,7 @@ void ClosedLoop::end_server_turn() {
 void ClosedLoop::run_until(Nanoseconds end) {
   for (end_ = std::max(end_, end); next_tick_ < end_; plan_next_tick()) {
     live_until(next_tick_);
-    note_faults();
+    apply_faults();
     if (server_ && next_tick_ >= next_timer_) {
       server_->on_timer(server_clock_.now());
       next_timer_ += kServerTimer;
@@ -179,7 +179,7 @@ void ClosedLoop::plan_next_tick() {
   free_ = next_tick_;
 }
 
-void ClosedLoop::note_faults() {
+void ClosedLoop::apply_faults() {
   using Kind = Fault::Kind;
   bool up = false;
   bool down = false;

@@ -16,10 +16,10 @@
 #include "forcebound/server/session/server.hpp"
 #include "tests/tools/sim/busy_server.hpp"
 #include "tests/tools/sim/environment.hpp"
+#include "tests/tools/sim/misdescribed_device.hpp"
 #include "tests/tools/sim/simulated_network.hpp"
 #include "tests/tools/sim/skewed_clock.hpp"
 #include "tests/tools/sim/tick_schedule.hpp"
-#include "tests/tools/sim/told_device.hpp"
 #include "tests/tools/sim/true_surface.hpp"
 #include "tests/tools/sim/virtual_clock.hpp"
 
@@ -119,15 +119,15 @@ class ClosedLoop {
   [[nodiscard]] client::LocalRendering* local() noexcept { return local_ ? &*local_ : nullptr; }
 
  private:
-  [[nodiscard]] device::HapticDevice& device_as_told() noexcept {
-    if (told_) return *told_;
+  [[nodiscard]] device::HapticDevice& device_as_described() noexcept {
+    if (described_) return *described_;
     return device_;
   }
   void live_until(Nanoseconds time);
   void end_server_turn();
   void plan_next_tick();
   void build_scene();
-  void note_faults();
+  void apply_faults();
   [[nodiscard]] Truth truth() const;
   [[nodiscard]] record::RunInfo info() const;
 
@@ -139,7 +139,7 @@ class ClosedLoop {
   SimulatedNetwork network_;
   BusyServer busy_;
   device::SimulatedDevice device_;
-  std::optional<ToldDevice> told_;
+  std::optional<MisdescribedDevice> described_;
   TrueSurface surface_;
   record::Summary summary_;
   std::array<record::TickSink*, 1> session_sinks_{&surface_};

@@ -33,7 +33,7 @@ struct View {
 /// Answers as the scene does, but with a force of its own.
 class Adversary : public server::Environment {
  public:
-  void take_over(std::unique_ptr<server::Environment> honest, std::function<Truth()> truth) {
+  void set_honest(std::unique_ptr<server::Environment> honest, std::function<Truth()> truth) {
     honest_ = std::move(honest);
     truth_ = std::move(truth);
   }
@@ -260,7 +260,7 @@ std::unique_ptr<server::Environment> make_environment(const EnvironmentSetting& 
                                                       std::unique_ptr<server::Environment> honest,
                                                       std::function<Truth()> truth) {
   auto adversary = kind_of(setting).make(setting);
-  adversary->take_over(std::move(honest), std::move(truth));
+  adversary->set_honest(std::move(honest), std::move(truth));
   return adversary;
 }
 

@@ -37,7 +37,7 @@ TEST_P(OnePortLaw, StaysFiniteOnAnArmThatPassesSingularConfigurations) {
   facts.damping = test::to_matrix({{0.01, 0, 0}, {0, 0.005, 0}, {0, 0, 1}});
   facts.friction = facts.encoder_step = facts.actuator_step = Vector::Zero(3);
   facts.force_N_max = kForceMax_N;
-  control::PassivityController controller(facts, shipped_laws().make(GetParam(), facts));
+  control::ForceBounder bounder(facts, shipped_laws().make(GetParam(), facts));
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> number(-1, 1);
   Vector joint = test::to_vector({0.3, 0.4, 0});
@@ -54,10 +54,10 @@ TEST_P(OnePortLaw, StaysFiniteOnAnArmThatPassesSingularConfigurations) {
     motion.jacobian = two_links(joint);
     const control::Damping damping = control::Damping::from_joints(motion.jacobian, facts.damping);
     motion.damping = &damping;
-    const Vector force = controller.tick(motion, -100 * motion.position + Vector::Constant(3, 20 * number(random)));
+    const Vector force = bounder.tick(motion, -100 * motion.position + Vector::Constant(3, 20 * number(random)));
     ASSERT_TRUE(force.allFinite()) << i;
     ASSERT_LE(force.norm(), kForceMax_N * (1 + 1e-12)) << i;
-    ASSERT_TRUE(std::isfinite(controller.law().energy_J())) << i;
+    ASSERT_TRUE(std::isfinite(bounder.law().energy_J())) << i;
     felt += force.isZero(0) ? 0 : 1;
   }
   EXPECT_GT(felt, 1000);

@@ -17,7 +17,7 @@ using test::TwoPortLoop;
 constexpr const char* kSetPositionModulation = "pspm";
 constexpr double kSpring_N_per_m = 30e3;  // half of 2b/T
 
-control::ServerLawNumbers said(double energy_J, double place_m) {
+control::ServerLawNumbers reply(double energy_J, double place_m) {
   return test::saying(energy_J, Vector::Constant(1, place_m));
 }
 
@@ -25,7 +25,7 @@ TEST(SetPositionModulation, ReachesAsFarAsTheEnergyPays) {
   for (const double toward : {1.0, -1.0}) {
     TwoPortLoop loop(kSetPositionModulation, {}, test::nothing_there());
     loop.step(0, 0);
-    loop.controller().hear(said(2e-3, 0.01 * toward));
+    loop.bounder().receive(reply(2e-3, 0.01 * toward));
     const double reach_m = std::sqrt(2 * 2e-3 / kSpring_N_per_m);
     EXPECT_NEAR(loop.step(0, 0), kSpring_N_per_m * reach_m * toward, 1e-9);
     EXPECT_NEAR(loop.energy_J(), 0, 1e-15);
@@ -35,7 +35,7 @@ TEST(SetPositionModulation, ReachesAsFarAsTheEnergyPays) {
 TEST(SetPositionModulation, IsTheSpringThatIsAskedForWhileEnergyLasts) {
   TwoPortLoop loop(kSetPositionModulation, {}, test::nothing_there());
   loop.step(0, 0);
-  loop.controller().hear(said(2e-3, 1e-4));
+  loop.bounder().receive(reply(2e-3, 1e-4));
   // y = x_s + f_e/Kp
   EXPECT_NEAR(loop.step(0, -6), kSpring_N_per_m * 1e-4 - 6, 1e-9);
   EXPECT_NEAR(loop.energy_J(), 2e-3 - 9 / (2 * kSpring_N_per_m), 1e-12);
@@ -44,11 +44,11 @@ TEST(SetPositionModulation, IsTheSpringThatIsAskedForWhileEnergyLasts) {
 TEST(SetPositionModulation, GainsFromMotionWhatTheDeviceMustHaveDissipated) {
   TwoPortLoop loop(kSetPositionModulation, {.parameters = {{"damping_share", 0.5}}}, test::nothing_there());
   loop.step(0, 0);
-  loop.controller().hear(said(0, 0));
+  loop.bounder().receive(reply(0, 0));
   loop.step(0, 0);
   for (int i = 1; i <= 9; ++i) loop.step(0, 0);
   // 0.1 mm in one tick of ten: Bp range^2/dt; the spring that was stretched goes into it too.
-  loop.controller().hear(said(0, 1e-4));
+  loop.bounder().receive(reply(0, 1e-4));
   loop.step(1e-4, 0);
   EXPECT_NEAR(loop.energy_J(), 7.5 * 1e-8 / 10e-3 + kSpring_N_per_m / 2 * 1e-8, 1e-12);
 }
@@ -61,7 +61,7 @@ TEST(SetPositionModulation, IsFreeBeforeTheServerHasSpoken) {
 TEST(SetPositionModulation, SendsWhatIsBeyondTheCeilingAndGetsItBackOnce) {
   TwoPortLoop loop(kSetPositionModulation, {.parameters = {{"energy_J_max", 1e-3}}}, test::nothing_there());
   loop.step(0, 0);
-  loop.controller().hear(said(5e-3, 0));
+  loop.bounder().receive(reply(5e-3, 0));
   loop.step(0, 0);
   EXPECT_NEAR(loop.energy_J(), 1e-3, 1e-15);
   EXPECT_NEAR(loop.law().outgoing()[0], 4e-3, 1e-15);
@@ -103,7 +103,7 @@ TEST(SetPositionModulation, IsPassiveAgainstAnyMotionAndAnySetPosition) {
         passivity_J += 30 / 1e-3 * d.squaredNorm() - force.dot(d);
         least_J = std::min(least_J, passivity_J);
         x += d;
-        if (random() % 3 == 0) loop.controller().hear(test::saying(0, x + any(1e-3)));
+        if (random() % 3 == 0) loop.bounder().receive(test::saying(0, x + any(1e-3)));
         force = loop.step(x, any(5));
         most_N = std::max(most_N, force.norm());
         ASSERT_GE(loop.energy_J(), -1e-12) << i;

@@ -27,7 +27,7 @@ TEST(TwoLayer, GivesNoForceFromAnEmptyTank) {
 TEST(TwoLayer, GivesAllThatTheTankHoldsAndNoMore) {
   TwoPortLoop loop = alone();
   loop.step(0, 0);
-  loop.controller().hear(test::saying(1.05e-3, Vector()));
+  loop.bounder().receive(test::saying(1.05e-3, Vector()));
   double given_J = 0;
   double force_N = 0;
   for (int i = 1; i < 100; ++i) {
@@ -55,7 +55,7 @@ TEST(TwoLayer, FillsTheTankWithDampingUpToTheLevelDesired) {
 TEST(TwoLayer, SendsAShareOfItsTankAndKeepsTheRest) {
   TwoPortLoop loop(kTwoLayer, {.parameters = {{"beta", 0.25}, {"filling_N_s_per_m", 0}}}, test::nothing_there());
   loop.step(0, 0);
-  loop.controller().hear(test::saying(1e-3, Vector()));
+  loop.bounder().receive(test::saying(1e-3, Vector()));
   for (int i = 0; i < 3; ++i) {
     loop.step(0, 0);
     EXPECT_NEAR(loop.energy_J() + loop.law().outgoing()[0], 1e-3, 1e-15);

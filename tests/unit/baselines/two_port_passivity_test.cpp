@@ -20,7 +20,7 @@ TEST(TwoPortPassivity, DampsJustWhatTheServerHasNotTakenIn) {
   // 0.1 m/s is 1e-4 m a tick: a force of 1 N along it gives 0.1 mJ a tick.
   loop.step(0, 0);
   EXPECT_NEAR(loop.step(1e-4, 1), 0, 1e-12) << "nothing was taken in, so nothing may flow";
-  loop.controller().hear(test::saying(1e-3, Vector()));
+  loop.bounder().receive(test::saying(1e-3, Vector()));
   int ticks_with_force = 0;
   for (int i = 2; i < 50; ++i) ticks_with_force += std::abs(loop.step(1e-4 * i, 1) - 1) < 1e-9;
   EXPECT_EQ(ticks_with_force, 10) << "1 mJ at 0.1 mJ a tick";

@@ -22,22 +22,22 @@ TEST(RemoteSum, CountsTheLargestReceivedOnceInAnyOrder) {
   RemoteSum sum;
   sum.begin_at_zero();
   double total = 0;
-  for (const double heard : {1.0, 3.0, 2.0, 3.0, 1.0, 3.5, 0.0, -4.0}) total += sum.hear(heard);
+  for (const double heard : {1.0, 3.0, 2.0, 3.0, 1.0, 3.5, 0.0, -4.0}) total += sum.receive(heard);
   EXPECT_EQ(total, 3.5);
 }
 
 TEST(RemoteSum, TakesTheFirstReceivedAsItsStart) {
   RemoteSum sum;
-  EXPECT_EQ(sum.hear(100), 0);
-  EXPECT_EQ(sum.hear(101), 1);
-  EXPECT_EQ(sum.hear(99), 0);
+  EXPECT_EQ(sum.receive(100), 0);
+  EXPECT_EQ(sum.receive(101), 1);
+  EXPECT_EQ(sum.receive(99), 0);
 }
 
 TEST(RemoteSum, StaysANumber) {
   RemoteSum sum;
   constexpr double kMost = std::numeric_limits<double>::max();
-  (void)sum.hear(-kMost);
-  EXPECT_EQ(sum.hear(kMost), kMost);
+  (void)sum.receive(-kMost);
+  EXPECT_EQ(sum.receive(kMost), kMost);
 }
 
 /// Checks for every law with a server-side law.
@@ -55,25 +55,25 @@ TEST_P(TwoPortLaws, GainNothingFromWhatComesTwiceOrLate) {
   for (int i = 0; i < 3; ++i) loop.step(0, 0);
   const Vector rest = Vector::Zero(1);
   const double before_J = loop.energy_J();
-  loop.controller().hear(test::saying(2e-3, rest));
+  loop.bounder().receive(test::saying(2e-3, rest));
   EXPECT_NEAR(loop.energy_J() - before_J, 2e-3, 1e-15);
   const double once_J = loop.energy_J();
-  for (const double sum_J : {2e-3, 1e-3, 0.0, 2e-3, -1.0}) loop.controller().hear(test::saying(sum_J, rest));
+  for (const double sum_J : {2e-3, 1e-3, 0.0, 2e-3, -1.0}) loop.bounder().receive(test::saying(sum_J, rest));
   EXPECT_EQ(loop.energy_J(), once_J);
-  loop.controller().hear(test::saying(2.5e-3, rest));
+  loop.bounder().receive(test::saying(2.5e-3, rest));
   EXPECT_NEAR(loop.energy_J() - before_J, 2.5e-3, 1e-15) << "the lost energy comes with the next message";
 }
 
 TEST_P(TwoPortLaws, GainNothingAgainFromAServerThatRestarted) {
   TwoPortLoop loop(GetParam(), {}, test::nothing_there());
   for (int i = 0; i < 3; ++i) loop.step(0, 0);
-  loop.controller().hear(test::saying(2e-3, Vector::Zero(1)));
+  loop.bounder().receive(test::saying(2e-3, Vector::Zero(1)));
   const double before_J = loop.energy_J();
-  loop.controller().begin_server_side();
+  loop.bounder().begin_server_side();
   EXPECT_EQ(loop.energy_J(), before_J);
-  loop.controller().hear(test::saying(0, Vector::Zero(1)));
+  loop.bounder().receive(test::saying(0, Vector::Zero(1)));
   EXPECT_EQ(loop.energy_J(), before_J);
-  loop.controller().hear(test::saying(1e-3, Vector::Zero(1)));
+  loop.bounder().receive(test::saying(1e-3, Vector::Zero(1)));
   EXPECT_NEAR(loop.energy_J() - before_J, 1e-3, 1e-15) << "the new server's energy counts from zero";
 }
 
@@ -83,9 +83,9 @@ TEST_P(TwoPortLaws, HaveAServerSideLawThatGivesNothingForWhatCameBeforeItBegan) 
   control::ServerLawNumbers numbers = control::ServerLawNumbers::Constant(6, 1e3);
   for (int i = 0; i < 5; ++i) {
     (void)server_side->place({.position = x, .numbers = numbers, .interval_s = i > 0 ? 1e-3 : 0});
-    const auto said = server_side->answer(Vector::Zero(1));
-    if (said.numbers.rows() > 0) {
-      EXPECT_EQ(said.numbers[0], 0) << i;
+    const auto reply = server_side->answer(Vector::Zero(1));
+    if (reply.numbers.rows() > 0) {
+      EXPECT_EQ(reply.numbers[0], 0) << i;
     }
   }
 }
@@ -104,9 +104,9 @@ TEST_P(TwoPortLaws, StayFiniteAndWithinTheLargestForceForHardNumbers) {
     const control::ServerLawNumbers numbers =
         control::ServerLawNumbers::NullaryExpr(static_cast<Eigen::Index>(random() % 17), any);
     ASSERT_TRUE(finite_place(server_side->place({.position = x, .numbers = numbers, .interval_s = std::abs(any())})));
-    const auto said = server_side->answer(Vector::NullaryExpr(3, any));
-    ASSERT_TRUE(said.force.allFinite() && said.numbers.allFinite()) << i << ": " << said.numbers.transpose();
-    loop.controller().hear(numbers);
+    const auto reply = server_side->answer(Vector::NullaryExpr(3, any));
+    ASSERT_TRUE(reply.force.allFinite() && reply.numbers.allFinite()) << i << ": " << reply.numbers.transpose();
+    loop.bounder().receive(numbers);
     const Vector force = loop.step(x, Vector::NullaryExpr(3, any));
     ASSERT_TRUE(force.allFinite()) << i;
     ASSERT_LE(force.norm(), 30 * (1 + 1e-12)) << i;
@@ -134,11 +134,11 @@ TEST_P(TwoPortLaws, DoNotAllocate) {
   for (int i = 0; i < 1000; ++i) {
     const Vector x = Vector::Constant(3, 1e-5 * (i % 100));
     (void)server_side->place({.position = x, .numbers = loop.law().outgoing(), .interval_s = 1e-3});
-    const auto said = server_side->answer(-2000 * x);
-    loop.controller().hear(said.numbers);
-    felt_N += loop.step(x, said.force).norm();
-    if (i == 500) loop.controller().begin_server_side();
-    if (i % 100 == 99) (void)loop.step(Vector::Constant(3, std::nan("")), said.force);
+    const auto reply = server_side->answer(-2000 * x);
+    loop.bounder().receive(reply.numbers);
+    felt_N += loop.step(x, reply.force).norm();
+    if (i == 500) loop.bounder().begin_server_side();
+    if (i % 100 == 99) (void)loop.step(Vector::Constant(3, std::nan("")), reply.force);
   }
   EXPECT_EQ(guard.heap_operations(), 0U);
   EXPECT_GT(felt_N, 1);

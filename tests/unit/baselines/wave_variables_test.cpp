@@ -43,7 +43,7 @@ TEST(WaveVariables, CodesAndDecodesForceAndVelocityWithoutLoss) {
     const double w = 0.5 * normal(random);
     back[0] += 10;
     back[1] += w * 1e-3;
-    loop.controller().hear(back);
+    loop.bounder().receive(back);
     x_m += v_m_per_s * 1e-3;
     const double held_N = force_N;
     force_N = loop.step(x_m, 0);
@@ -61,11 +61,11 @@ TEST(WaveVariables, TakesEachSampleOnceAndWhatWasLostWithTheNext) {
   TwoPortLoop loop(kWaveVariables, {}, test::nothing_there());
   loop.step(0, 0);
   const auto wave = [](int samples) { return test::saying(0.5e-3 * samples, Vector::Constant(1, 1e-3 * samples)); };
-  loop.controller().hear(wave(1));  // w = 1 for a tick
+  loop.bounder().receive(wave(1));  // w = 1 for a tick
   EXPECT_NEAR(loop.step(0, 0), kRoot, 1e-12);
-  loop.controller().hear(wave(1));
+  loop.bounder().receive(wave(1));
   EXPECT_NEAR(loop.step(0, 0), 0, 1e-12) << "a copy adds no wave";
-  loop.controller().hear(wave(3));
+  loop.bounder().receive(wave(3));
   EXPECT_NEAR(loop.step(0, 0), std::sqrt(2.0) * kRoot, 1e-12) << "two samples, with the energy of two and no more";
   loop.step(0, 0);
   EXPECT_LE(loop.energy_J(), 1e-15);
@@ -97,7 +97,7 @@ TEST(WaveVariables, MakeNoEnergyOfAnEchoHoweverLateLostOrDoubled) {
         if (way.size() <= delay_ticks) continue;
         const bool lost = !constant && random() % 5 == 0;
         const std::size_t at = constant ? 0 : random() % way.size();
-        if (!lost) loop.controller().hear(way[at]);
+        if (!lost) loop.bounder().receive(way[at]);
         if (constant || random() % 3 != 0) way.pop_front();
       }
       EXPECT_LE(excess_J, 1e-6);

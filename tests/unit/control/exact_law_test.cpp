@@ -7,8 +7,8 @@
 #include <random>
 #include <stdexcept>
 
+#include "forcebound/control/force_bounder.hpp"
 #include "forcebound/control/less_conservative_law.hpp"
-#include "forcebound/control/passivity_controller.hpp"
 #include "tests/support/ideal_device.hpp"
 #include "tests/support/special_numbers.hpp"
 
@@ -217,8 +217,8 @@ TEST(ExactLaw, BelievesNoReleaseFromBeforeTheForceWasInEffect) {
 }
 
 /// The energy after a way of which 1 N took a part, in effect at a time of which the device reports that it was
-/// `told_s`.
-double energy_after_effect_J(double way_m, double told_s, double latency_s) {
+/// `reported_s`.
+double energy_after_effect_J(double way_m, double reported_s, double latency_s) {
   DeviceFacts facts = ideal(vector({30}));
   facts.hold_s_max = 1;
   facts.latency_s = 1e-3;
@@ -227,7 +227,7 @@ double energy_after_effect_J(double way_m, double told_s, double latency_s) {
   law.commit(vector({-1}));
   Motion motion = motion_to(vector({way_m}), nullptr, 5e-3);
   motion.latency_s = latency_s;
-  motion.effect_s = told_s;
+  motion.effect_s = reported_s;
   law.credit(motion);
   return law.energy_J();
 }
@@ -366,14 +366,14 @@ TEST(ExactLaw, CreditsAVeryShortIntervalAsATenthOfThePeriod) {
 }
 
 TEST(ExactLaw, GoesOnAfterALostReadingWithoutCreditForTheGap) {
-  PassivityController controller(ideal(vector({30})), std::make_unique<ExactLaw>(ideal(vector({30}))));
-  (void)controller.tick(motion_to(vector({0})), vector({0}));
-  EXPECT_LT(controller.tick(motion_to(vector({1e-3})), vector({-5}))[0], -4.9);
-  const double before_J = controller.law().energy_J();
-  EXPECT_EQ(controller.tick(motion_to(vector({std::nan("")})), vector({-5}))[0], 0);
-  EXPECT_DOUBLE_EQ(controller.law().energy_J(), before_J - 25 * kPeriod_s / 120);
-  (void)controller.tick(motion_to(vector({1e-3})), vector({0}));
-  EXPECT_LT(controller.law().energy_J(), before_J) << "two ticks at rest, one of them under -5 N";
+  ForceBounder bounder(ideal(vector({30})), std::make_unique<ExactLaw>(ideal(vector({30}))));
+  (void)bounder.tick(motion_to(vector({0})), vector({0}));
+  EXPECT_LT(bounder.tick(motion_to(vector({1e-3})), vector({-5}))[0], -4.9);
+  const double before_J = bounder.law().energy_J();
+  EXPECT_EQ(bounder.tick(motion_to(vector({std::nan("")})), vector({-5}))[0], 0);
+  EXPECT_DOUBLE_EQ(bounder.law().energy_J(), before_J - 25 * kPeriod_s / 120);
+  (void)bounder.tick(motion_to(vector({1e-3})), vector({0}));
+  EXPECT_LT(bounder.law().energy_J(), before_J) << "two ticks at rest, one of them under -5 N";
 }
 
 TEST(ExactLaw, GoesOnFromACopyAsFromItself) {

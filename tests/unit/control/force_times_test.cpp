@@ -19,11 +19,11 @@ DeviceFacts facts() {
 }
 
 /// Of a force commanded 0.3 ms after its reading, read again after 10 ms.
-Bracket effect_s(double told_s) {
+Bracket effect_s(double reported_s) {
   Motion motion;
   motion.interval_s = 10e-3;
   motion.latency_s = 1.3e-3;
-  motion.effect_s = told_s;
+  motion.effect_s = reported_s;
   return ForceTimes(facts()).effect(motion);
 }
 

@@ -90,7 +90,7 @@ TEST(ExactLaw, DoesNotAllocateWithAllThatARealDeviceHas) {
   facts.encoder_step = Vector::Constant(3, 55e-6);
   facts.actuator_step = Vector::Zero(3);
   facts.force_N_max = 3;
-  PassivityController controller(facts, control::force_bounding_laws().make("fba-exact", facts));
+  ForceBounder bounder(facts, control::force_bounding_laws().make("fba-exact", facts));
   Motion motion;
   motion.jacobian = Matrix::Identity(3, 3);
   motion.position = Vector::Zero(3);
@@ -100,7 +100,7 @@ TEST(ExactLaw, DoesNotAllocateWithAllThatARealDeviceHas) {
     motion.interval_s = i % 7 == 0 ? 5e-3 : 1e-3;
     motion.latency_s = motion.latency_s_max = 1e-4 * (i % 20);
     motion.joint = motion.position.array() + 55e-6 * (i % 3);
-    (void)controller.confirmed(controller.tick(motion, i % 5 * request), motion.latency_s_max);
+    (void)bounder.confirmed(bounder.tick(motion, i % 5 * request), motion.latency_s_max);
   }
   EXPECT_EQ(guard.heap_operations(), 0U);
 }
@@ -121,7 +121,7 @@ TEST(Damping, OfAnArmDoesNotAllocate) {
   }
 }
 
-TEST(PassivityController, DoesNotAllocateForAnArm) {
+TEST(ForceBounder, DoesNotAllocateForAnArm) {
   FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
   for (const int degrees_of_freedom : {1, 3, 6}) {
     DeviceFacts facts;
@@ -129,7 +129,7 @@ TEST(PassivityController, DoesNotAllocateForAnArm) {
     facts.damping = Matrix::Identity(degrees_of_freedom, degrees_of_freedom);
     facts.actuator_step = Vector::Constant(degrees_of_freedom, 1e-3);
     facts.force_N_max = 10;
-    PassivityController controller(facts, published_laws().make("fba-more", facts));
+    ForceBounder bounder(facts, published_laws().make("fba-more", facts));
     Motion motion;
     motion.interval_s = facts.period_s;
     motion.jacobian = test::full_damping(degrees_of_freedom, 4);
@@ -140,7 +140,7 @@ TEST(PassivityController, DoesNotAllocateForAnArm) {
     const AllocationGuard guard;
     for (int i = 0; i < 100; ++i) {
       motion.position = motion.joint = 1e-3 * i * one;
-      told += controller.tick(motion, one).squaredNorm();
+      told += bounder.tick(motion, one).squaredNorm();
     }
     const std::uint64_t operations = guard.heap_operations();
     EXPECT_EQ(operations, 0U) << degrees_of_freedom;

@@ -13,18 +13,18 @@ TEST(ChoosingTime, AllowsTwentyMicrosecondsBeforeAnythingIsKnown) { EXPECT_EQ(Ch
 
 TEST(ChoosingTime, AllowsASlowMachineHalfAsMuchAgainAsItTakes) {
   ChoosingTime choosing(kPeriod);
-  for (int i = 0; i < 100; ++i) choosing.note(80us);
+  for (int i = 0; i < 100; ++i) choosing.add(80us);
   EXPECT_EQ(choosing.allowed(), 120us);
 }
 
 TEST(ChoosingTime, FollowsALongTickAtOnceAndForgetsIt) {
   ChoosingTime choosing(kPeriod);
-  for (int i = 0; i < 10; ++i) choosing.note(2us);
-  choosing.note(200us);
+  for (int i = 0; i < 10; ++i) choosing.add(2us);
+  choosing.add(200us);
   EXPECT_EQ(choosing.allowed(), 300us);
   int ticks = 0;
   while (choosing.allowed() > 20us) {
-    choosing.note(2us);
+    choosing.add(2us);
     ASSERT_LT(++ticks, 100);
   }
   EXPECT_GT(ticks, 30);
@@ -32,9 +32,9 @@ TEST(ChoosingTime, FollowsALongTickAtOnceAndForgetsIt) {
 
 TEST(ChoosingTime, NeverAllowsMoreThanHalfAPeriodHoweverLongAStopWas) {
   ChoosingTime choosing(kPeriod);
-  choosing.note(2s);
+  choosing.add(2s);
   EXPECT_EQ(choosing.allowed(), 500us);
-  for (int i = 0; i < 100; ++i) choosing.note(2us);
+  for (int i = 0; i < 100; ++i) choosing.add(2us);
   EXPECT_EQ(choosing.allowed(), 20us);
 }
 

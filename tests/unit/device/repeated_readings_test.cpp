@@ -15,7 +15,7 @@ constexpr double kEncoderStep = 1e-4;
 struct Watched {
   void read(double place, int times = 1) {
     for (int i = 0; i < times; ++i)
-      seen.note(Vector::Constant(1, kEncoderStep * std::round(place / kEncoderStep)), kTick_s);
+      seen.add(Vector::Constant(1, kEncoderStep * std::round(place / kEncoderStep)), kTick_s);
   }
   RepeatedReadings seen{Vector::Constant(1, kEncoderStep)};
 };
@@ -69,7 +69,7 @@ TEST(RepeatedReadings, OfSeveralJointsEachCounts) {
   Vector place = Vector::Zero(2);
   for (int i = 0; i < 4; ++i) {
     place[1] += 0.1;
-    seen.note(place, kTick_s);
+    seen.add(place, kTick_s);
   }
   EXPECT_NEAR(seen.still_s(0), 3 * kTick_s, 1e-12);
   EXPECT_EQ(seen.still_s(1), 0);

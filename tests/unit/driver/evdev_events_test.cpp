@@ -52,14 +52,14 @@ struct Told {
   int result;
   input_event event;
 };
-std::deque<Told> the_told;       // NOLINT: evdev_take knows no context but libevdev's
+std::deque<Told> the_events;     // NOLINT: evdev_take knows no context but libevdev's
 std::deque<unsigned> the_flags;  // NOLINT: likewise
 
 int next(libevdev* /*events*/, unsigned flags, input_event* event) {
   the_flags.push_back(flags);
-  if (the_told.empty()) return -EAGAIN;
-  const Told told = the_told.front();
-  the_told.pop_front();
+  if (the_events.empty()) return -EAGAIN;
+  const Told told = the_events.front();
+  the_events.pop_front();
   *event = told.event;
   return told.result;
 }
@@ -76,16 +76,16 @@ TEST(EvdevTake, TakesAllThatIsToldAnewAfterEventsWereDropped) {
   const Events mouse = device_with(EV_REL, {REL_X, REL_Y});
   evdev_state state = begun(mouse.get());
   the_flags.clear();
-  the_told = {{LIBEVDEV_READ_STATUS_SYNC, event_of(EV_SYN, SYN_DROPPED, 0)}};
+  the_events = {{LIBEVDEV_READ_STATUS_SYNC, event_of(EV_SYN, SYN_DROPPED, 0)}};
   constexpr int kToldAnew = 2 * EVDEV_EVENTS_MOST;
   for (int i = 0; i < kToldAnew; ++i) {
-    the_told.push_back({LIBEVDEV_READ_STATUS_SYNC, event_of(EV_KEY, KEY_A, i % 2)});
+    the_events.push_back({LIBEVDEV_READ_STATUS_SYNC, event_of(EV_KEY, KEY_A, i % 2)});
   }
-  the_told.push_back({LIBEVDEV_READ_STATUS_SYNC, event_of(EV_KEY, BTN_LEFT, 1)});
-  the_told.push_back({-EAGAIN, {}});
+  the_events.push_back({LIBEVDEV_READ_STATUS_SYNC, event_of(EV_KEY, BTN_LEFT, 1)});
+  the_events.push_back({-EAGAIN, {}});
   EXPECT_EQ(evdev_take(&state, next, mouse.get()), 1);
   EXPECT_EQ(state.buttons, 1U);
-  EXPECT_TRUE(the_told.empty());
+  EXPECT_TRUE(the_events.empty());
   ASSERT_GT(the_flags.size(), 2U);
   EXPECT_EQ(the_flags.front(), static_cast<unsigned>(LIBEVDEV_READ_FLAG_NORMAL));
   EXPECT_EQ(the_flags[1], static_cast<unsigned>(LIBEVDEV_READ_FLAG_SYNC));
@@ -94,10 +94,10 @@ TEST(EvdevTake, TakesAllThatIsToldAnewAfterEventsWereDropped) {
 TEST(EvdevTake, LeavesWhatIsTooMuchForOneTick) {
   const Events mouse = device_with(EV_REL, {REL_X, REL_Y});
   evdev_state state = begun(mouse.get());
-  the_told.assign(3 * EVDEV_EVENTS_MOST, {LIBEVDEV_READ_STATUS_SUCCESS, event_of(EV_REL, REL_X, 1)});
+  the_events.assign(3 * EVDEV_EVENTS_MOST, {LIBEVDEV_READ_STATUS_SUCCESS, event_of(EV_REL, REL_X, 1)});
   EXPECT_EQ(evdev_take(&state, next, mouse.get()), 1);
-  EXPECT_EQ(the_told.size(), 2U * EVDEV_EVENTS_MOST);
-  the_told = {{-ENODEV, {}}};
+  EXPECT_EQ(the_events.size(), 2U * EVDEV_EVENTS_MOST);
+  the_events = {{-ENODEV, {}}};
   EXPECT_EQ(evdev_take(&state, next, mouse.get()), 0) << "unplugged";
 }
 

@@ -25,29 +25,31 @@ evdev_state absolute(evdev_range range) {
   return state;
 }
 
-std::array<double, 3> told_m(const evdev_state& state) { return {state.told_m[0], state.told_m[1], state.told_m[2]}; }
+std::array<double, 3> reported_m(const evdev_state& state) {
+  return {state.reported_m[0], state.reported_m[1], state.reported_m[2]};
+}
 
 TEST(EvdevState, MovesThePointOfAMouseInTheScenesFrame) {
   evdev_state state = mouse();
   evdev_note(&state, EV_REL, REL_X, 100);
   evdev_note(&state, EV_REL, REL_Y, -50);
   evdev_note(&state, EV_REL, REL_WHEEL, 2);
-  EXPECT_EQ(told_m(state), (std::array{0.01, 0.005, 0.01})) << "right, away from the user, up";
+  EXPECT_EQ(reported_m(state), (std::array{0.01, 0.005, 0.01})) << "right, away from the user, up";
 }
 
 TEST(EvdevState, MovesThePointOfAMouseUpIfTold) {
   evdev_state state = mouse(true);
   evdev_note(&state, EV_REL, REL_Y, -100);
   evdev_note(&state, EV_REL, REL_WHEEL, 1);
-  EXPECT_EQ(told_m(state), (std::array{0.0, 0.005, 0.01}));
+  EXPECT_EQ(reported_m(state), (std::array{0.0, 0.005, 0.01}));
 }
 
 TEST(EvdevState, KeepsThePointWithinItsBox) {
   evdev_state state = mouse();
   evdev_note(&state, EV_REL, REL_X, 1'000'000);
-  EXPECT_EQ(state.told_m[0], 0.1);
+  EXPECT_EQ(state.reported_m[0], 0.1);
   evdev_note(&state, EV_REL, REL_X, -1'000);
-  EXPECT_NEAR(state.told_m[0], 0, 1e-15) << "at once, not when a million counts are back";
+  EXPECT_NEAR(state.reported_m[0], 0, 1e-15) << "at once, not when a million counts are back";
 }
 
 TEST(EvdevState, SpansTheBoxWithTheRangeOfAStick) {
@@ -55,21 +57,22 @@ TEST(EvdevState, SpansTheBoxWithTheRangeOfAStick) {
   evdev_note(&state, EV_ABS, ABS_X, 32767);
   evdev_note(&state, EV_ABS, ABS_Y, 32767);
   evdev_note(&state, EV_ABS, ABS_RY, -32768);
-  EXPECT_EQ(told_m(state), (std::array{0.1, -0.1, 0.1})) << "a stick's y is towards the user, as is its second one's";
+  EXPECT_EQ(reported_m(state), (std::array{0.1, -0.1, 0.1}))
+      << "a stick's y is towards the user, as is its second one's";
   evdev_note(&state, EV_ABS, ABS_X, 0);
-  EXPECT_NEAR(state.told_m[0], 0, 0.2 / 65535);
+  EXPECT_NEAR(state.reported_m[0], 0, 0.2 / 65535);
 }
 
 TEST(EvdevState, TakesNoTriggerForAStick) {
   evdev_state state = absolute({.minimum = -32768, .maximum = 32767});
   evdev_note(&state, EV_ABS, ABS_Z, 255);
-  EXPECT_EQ(told_m(state), (std::array{0.0, 0.0, 0.0}));
+  EXPECT_EQ(reported_m(state), (std::array{0.0, 0.0, 0.0}));
 }
 
 TEST(EvdevState, TakesNoPositionFromARangeOfNothing) {
   evdev_state state = absolute({});
   evdev_note(&state, EV_ABS, ABS_X, 7);
-  EXPECT_EQ(told_m(state), (std::array{0.0, 0.0, 0.0}));
+  EXPECT_EQ(reported_m(state), (std::array{0.0, 0.0, 0.0}));
 }
 
 TEST(EvdevState, LeavesOutWhatIsOfTheOtherKindOfDevice) {
@@ -77,7 +80,7 @@ TEST(EvdevState, LeavesOutWhatIsOfTheOtherKindOfDevice) {
   evdev_note(&state, EV_ABS, ABS_X, 100);
   evdev_note(&state, EV_REL, REL_HWHEEL, 100);
   evdev_note(&state, EV_SYN, SYN_REPORT, 0);
-  EXPECT_EQ(told_m(state), (std::array{0.0, 0.0, 0.0}));
+  EXPECT_EQ(reported_m(state), (std::array{0.0, 0.0, 0.0}));
 }
 
 TEST(EvdevState, NumbersTheButtonsOfEachKindFromZero) {
@@ -109,11 +112,11 @@ TEST(EvdevState, SpansTheBoxWithTheDeflectionOfA3DMousesCap) {
   evdev_note(&state, EV_REL, REL_X, 350);
   evdev_note(&state, EV_REL, REL_Y, 175);
   evdev_note(&state, EV_REL, REL_Z, -400);
-  EXPECT_EQ(told_m(state), (std::array{0.1, -0.05, 0.1}));
+  EXPECT_EQ(reported_m(state), (std::array{0.1, -0.05, 0.1}));
   evdev_note(&state, EV_REL, REL_X, 35);
-  EXPECT_NEAR(state.told_m[0], 0.01, 1e-15) << "where it is, not by how much it moved";
+  EXPECT_NEAR(state.reported_m[0], 0.01, 1e-15) << "where it is, not by how much it moved";
   evdev_note(&state, EV_REL, REL_RX, 350);
-  EXPECT_NEAR(state.told_m[0], 0.01, 1e-15) << "turning moves nothing";
+  EXPECT_NEAR(state.reported_m[0], 0.01, 1e-15) << "turning moves nothing";
 }
 
 TEST(EvdevState, PutsASilentAxisOfACapInTheMiddle) {
@@ -122,11 +125,11 @@ TEST(EvdevState, PutsASilentAxisOfACapInTheMiddle) {
   evdev_follow(&state, kSecond_ns);
   evdev_note(&state, EV_REL, REL_Y, 350);
   evdev_follow(&state, kSecond_ns + kDeflected_ns);
-  EXPECT_EQ(told_m(state), (std::array{0.1, -0.1, 0.0}));
+  EXPECT_EQ(reported_m(state), (std::array{0.1, -0.1, 0.0}));
   evdev_follow(&state, kSecond_ns + kDeflected_ns + 1);
-  EXPECT_EQ(told_m(state), (std::array{0.0, -0.1, 0.0}));
+  EXPECT_EQ(reported_m(state), (std::array{0.0, -0.1, 0.0}));
   evdev_follow(&state, 2 * kSecond_ns);
-  EXPECT_EQ(told_m(state), (std::array{0.0, 0.0, 0.0}));
+  EXPECT_EQ(reported_m(state), (std::array{0.0, 0.0, 0.0}));
 }
 
 TEST(EvdevState, FollowsWithItsTimeConstant) {

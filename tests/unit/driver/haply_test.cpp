@@ -57,12 +57,12 @@ class Haply : public testing::Test {
   [[nodiscard]] const std::string& port() const { return port_; }
   void open(const std::string& more = "") { device = haply(address() + more); }
 
-  void tell(const std::string& line) const { service->write(line + "\n"); }
+  void send(const std::string& line) const { service->write(line + "\n"); }
 
   /// What the service and its device know now.
   Seen seen() {
     const std::string name = "look " + std::to_string(++looks_) + " ";
-    tell(name);
+    send(name);
     std::string out;
     EXPECT_TRUE(test::becomes_true([&] {
       out = service->out();
@@ -184,7 +184,7 @@ TEST_F(Haply, TellsOrientationAndButtonsOfTheGripIfThereIsOne) {
   std::array<char, FORCEBOUND_TEXT_BYTES> error{};
   ASSERT_EQ(driver.open(&setting, 1, &opened, error.data(), error.size()), FORCEBOUND_OK) << error.data();
   ASSERT_EQ(driver.start(opened), FORCEBOUND_OK);
-  const auto told_until = [&](auto condition) {
+  const auto reported_until = [&](auto condition) {
     forcebound_reading told{};
     EXPECT_TRUE(test::becomes_true([&] {
       told = {};
@@ -194,17 +194,17 @@ TEST_F(Haply, TellsOrientationAndButtonsOfTheGripIfThereIsOne) {
     return told;
   };
   constexpr std::uint32_t kBoth = FORCEBOUND_HAS_ORIENTATION | FORCEBOUND_HAS_BUTTONS;
-  tell("turn 0 0.6 0 0.8");
-  tell("press 6");
-  forcebound_reading told = told_until([](const auto& t) { return t.buttons == 6U && t.orientation[0] == 0; });
+  send("turn 0 0.6 0 0.8");
+  send("press 6");
+  forcebound_reading told = reported_until([](const auto& t) { return t.buttons == 6U && t.orientation[0] == 0; });
   EXPECT_EQ(told.has, kBoth);
   EXPECT_THAT(told.orientation, ElementsAre(0, 0.6, 0, 0.8));
-  tell("grip wired");
-  tell("press 1");
-  told = told_until([](const auto& t) { return t.buttons == 1U; });
+  send("grip wired");
+  send("press 1");
+  told = reported_until([](const auto& t) { return t.buttons == 1U; });
   EXPECT_EQ(told.has, kBoth);
-  tell("grip none");
-  told = told_until([](const auto& t) { return t.has == 0; });
+  send("grip none");
+  told = reported_until([](const auto& t) { return t.has == 0; });
   EXPECT_EQ(told.buttons, 0U);
   driver.close(opened);
 }
@@ -246,9 +246,9 @@ TEST_F(Haply, FailsWhileUnpluggedAndResumesAfterwards) {
   open();
   device->start();
   tick_until_felt();
-  tell("unplug");
+  send("unplug");
   tick_until_failed("Inverse3 04BA is unplugged; looking for it");
-  tell("plug");
+  send("plug");
   tick_until_read();
   tick_until_felt();
 }
@@ -269,10 +269,10 @@ TEST_F(Haply, LooksForAServiceThatDoesNotAnswerUntilItDoes) {
   open();
   device->start();
   tick_until_felt();
-  tell("mute");
+  send("mute");
   tick_until_failed("does not answer");
   wait_for_no_force();
-  tell("talk");
+  send("talk");
   tick_until_felt();
 }
 
@@ -286,9 +286,9 @@ TEST_F(Haply, FailsWhileItIsToldNothingItUnderstandsAndResumesAfterwards) {
         "say-bytes 60000", "say-bytes 70000", "say-bytes 30000000"}) {
     SCOPED_TRACE(nonsense);
     tick_until_felt();
-    tell(nonsense);
+    send(nonsense);
     tick_until_failed("looking for it");
-    tell("talk");
+    send("talk");
     tick_until_read();
   }
 }
@@ -296,7 +296,7 @@ TEST_F(Haply, FailsWhileItIsToldNothingItUnderstandsAndResumesAfterwards) {
 TEST_F(Haply, EndsWithZeroForce) {
   holds_for_ever = true;
   serve();
-  tell("keep");
+  send("keep");
   open();
   device->start();
   tick_until_felt();
@@ -316,13 +316,13 @@ TEST_F(Haply, SaysWhatIsMissing) {
   refused("address=localhos:7", HasSubstr("no Inverse service at localhos:7"));
   refused(address() + ",device_id=049D",
           HasSubstr("no Inverse3 049D among those that the service at 127.0.0.1:" + port() + " lists: 04BA"));
-  tell("unplug");
+  send("unplug");
   (void)seen();
   refused(address(), HasSubstr("no Inverse3 among those that the service at 127.0.0.1:" + port() + " lists: none"));
-  tell(R"(say {"devices":[]})");
+  send(R"(say {"devices":[]})");
   (void)seen();
   refused(address(), HasSubstr("is no Inverse service 3.1 or later"));
-  tell("mute");
+  send("mute");
   (void)seen();
   refused(address(), HasSubstr("no answer within 2000 ms"));
   service->signal(SIGKILL);

@@ -47,9 +47,9 @@ TEST(Coverage, NeverTellsMoreThanTheWayToWhatIsMissing) {
       const Point at = 1.5 * point();
       double way_m = std::numeric_limits<double>::infinity();
       for (const Box& box : missing) way_m = std::min(way_m, box.exteriorDistance(at));
-      const double told_m = coverage.known_within_m(at);
-      EXPECT_LE(told_m, way_m);
-      most_m = std::max(most_m, told_m);
+      const double reported_m = coverage.known_within_m(at);
+      EXPECT_LE(reported_m, way_m);
+      most_m = std::max(most_m, reported_m);
     }
     EXPECT_GT(most_m, 0.01);
   }

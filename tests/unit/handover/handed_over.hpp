@@ -64,7 +64,7 @@ inline SceneAssembly assembly_of(const PackedScene& packed, const Limits& limits
 inline SceneAssembly assembled(const PackedScene& packed, std::uint64_t seed) {
   SceneAssembly assembly = assembly_of(packed);
   for (const std::size_t number : shuffled(packed.announcement().pieces, seed))
-    assembly.take(number, packed.piece(number));
+    assembly.add(number, packed.piece(number));
   return assembly;
 }
 

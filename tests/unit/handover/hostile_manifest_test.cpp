@@ -54,7 +54,7 @@ std::string refusal_of_manifest(const v1::SceneManifest& manifest, std::size_t g
                            scene::Registry::standard());
     for (std::size_t i = 0; i < pieces; ++i) {
       const std::size_t begin = i * kPieceBytesMax;
-      assembly.take(i, raw.subspan(begin, std::min(kPieceBytesMax, raw.size() - begin)));
+      assembly.add(i, raw.subspan(begin, std::min(kPieceBytesMax, raw.size() - begin)));
     }
     (void)assembly.build();
   });
@@ -142,9 +142,9 @@ TEST(AHostileManifest, GetsNoPieceTakenThatLiesOutsideOfItsBox) {
           scene::Registry::standard());
       for (std::size_t i = 0; i < of_manifest; ++i) {
         const std::size_t begin = i * kPieceBytesMax;
-        assembly.take(i, raw.subspan(begin, std::min(kPieceBytesMax, raw.size() - begin)));
+        assembly.add(i, raw.subspan(begin, std::min(kPieceBytesMax, raw.size() - begin)));
       }
-      assembly.take(of_manifest, packed->piece(of_manifest));
+      assembly.add(of_manifest, packed->piece(of_manifest));
     });
   };
   EXPECT_EQ(taken(), "accepted");

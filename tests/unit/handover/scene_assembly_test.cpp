@@ -147,7 +147,7 @@ TEST(SceneAssembly, FeelsWhatItKnowsAndTellsHowFarThatIs) {
   std::vector<std::size_t> order(packed->announcement().pieces);
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::sort(order, {}, [&](std::size_t piece) { return packed->where_m(piece).squaredExteriorDistance(top); });
-  for (std::size_t i = 0; i < order.size() / 2; ++i) assembly.take(order[i], packed->piece(order[i]));
+  for (std::size_t i = 0; i < order.size() / 2; ++i) assembly.add(order[i], packed->piece(order[i]));
 
   const AssembledScene half = assembly.build();
   EXPECT_FALSE(half.whole);
@@ -171,13 +171,13 @@ TEST(SceneAssembly, GoesOnInALargerPartOfAMeshWhereItWas) {
   std::vector<std::size_t> order(pieces);
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::sort(order, {}, [&](std::size_t piece) { return packed->where_m(piece).squaredExteriorDistance(top); });
-  for (std::size_t i = 0; i < pieces / 2; ++i) assembly.take(order[i], packed->piece(order[i]));
+  for (std::size_t i = 0; i < pieces / 2; ++i) assembly.add(order[i], packed->piece(order[i]));
   scene::SceneState state(assembly.build().scene, 3);
   (void)state.answer(Point(0, 0, 0.051), 0ms);
   const Vector below = Point(0, 0, 0.049);
   const Vector before_N = state.answer(below, 1ms).force;
   ASSERT_GT(before_N.z(), 0.9);
-  for (std::size_t i = pieces / 2; i < pieces; ++i) assembly.take(order[i], packed->piece(order[i]));
+  for (std::size_t i = pieces / 2; i < pieces; ++i) assembly.add(order[i], packed->piece(order[i]));
   scene::SceneState whole(assembly.build().scene, 3);
   ASSERT_TRUE(whole.go_on_from(state));
   EXPECT_EQ(whole.answer(below, 2ms).force, before_N);
@@ -211,13 +211,13 @@ static_coefficient = 0.5
   const auto packed = pack(*server::load_scene(folder.file("scene.toml")));
   SceneAssembly assembly = assembly_of(*packed);
   const std::size_t of_manifest = manifest_pieces(packed->announcement().manifest_bytes);
-  for (std::size_t i = 0; i < of_manifest; ++i) assembly.take(i, packed->piece(i));
+  for (std::size_t i = 0; i < of_manifest; ++i) assembly.add(i, packed->piece(i));
   scene::SceneState without(assembly.build().scene, 3);
   (void)without.answer(Point(0, 0, -0.001), 0ms);
   const Vector aside = Point(1e-4, 0, -0.001);
   const Vector before_N = without.answer(aside, 1ms).force;
   ASSERT_NEAR(before_N.x(), -0.1, 0.01) << "it sticks";
-  for (std::size_t i = of_manifest; i < packed->announcement().pieces; ++i) assembly.take(i, packed->piece(i));
+  for (std::size_t i = of_manifest; i < packed->announcement().pieces; ++i) assembly.add(i, packed->piece(i));
   scene::SceneState with(assembly.build().scene, 3);
   ASSERT_TRUE(with.go_on_from(without));
   EXPECT_EQ(with.answer(aside, 2ms).force, before_N);
@@ -246,7 +246,7 @@ TEST(SceneAssembly, TakesAPieceTwiceForOnce) {
   const auto packed = pack(*mesh_scene(test::ball(0.05, 10)));
   SceneAssembly assembly = assembly_of(*packed);
   for (int copy = 0; copy < 2; ++copy) {
-    for (std::size_t i = 0; i < packed->announcement().pieces; ++i) assembly.take(i, packed->piece(i));
+    for (std::size_t i = 0; i < packed->announcement().pieces; ++i) assembly.add(i, packed->piece(i));
   }
   EXPECT_EQ(assembly.pieces_here(), packed->announcement().pieces);
   EXPECT_TRUE(assembly.build().whole);
@@ -257,14 +257,14 @@ TEST(SceneAssembly, TellsHowMuchItBuiltAndBuildsNothingTwice) {
   const auto packed = pack(*mesh_scene(soup));
   SceneAssembly assembly = assembly_of(*packed);
   const std::size_t last = packed->announcement().pieces - 1;
-  for (std::size_t i = 0; i < last; ++i) assembly.take(i, packed->piece(i));
+  for (std::size_t i = 0; i < last; ++i) assembly.add(i, packed->piece(i));
   const AssembledScene but_one = assembly.build();
   EXPECT_GT(but_one.elements_built, soup.triangles.size()) << "with where the last piece is missing";
   const AssembledScene again = assembly.build();
   EXPECT_EQ(again.elements_built, 0U);
   const Point top(0, 0, 0.05);
   EXPECT_EQ(again.coverage.at(0).known_within_m(top), but_one.coverage.at(0).known_within_m(top));
-  assembly.take(last, packed->piece(last));
+  assembly.add(last, packed->piece(last));
   const AssembledScene whole = assembly.build();
   EXPECT_GT(whole.elements_built, 0U);
   EXPECT_LE(whole.elements_built, soup.triangles.size());
@@ -275,7 +275,7 @@ TEST(SceneAssembly, HasNothingToTouchWhereAllGeometryIsMissing) {
   SceneAssembly assembly = assembly_of(*packed);
   EXPECT_FALSE(assembly.can_build());
   for (std::size_t i = 0; i < manifest_pieces(packed->announcement().manifest_bytes); ++i)
-    assembly.take(i, packed->piece(i));
+    assembly.add(i, packed->piece(i));
   ASSERT_TRUE(assembly.can_build());
   const AssembledScene made = assembly.build();
   EXPECT_EQ(made.coverage.at(0).known_within_m(Point(0, 0, 0.05)), 0);
@@ -306,28 +306,28 @@ TEST(SceneAssembly, RefusesAManifestOfAnotherHash) {
   SceneAssembly assembly = assembly_of(*packed);
   std::vector<std::byte> changed(packed->piece(0).begin(), packed->piece(0).end());
   changed[3] ^= std::byte{1};
-  EXPECT_THAT(refusal_of([&] { assembly.take(0, changed); }), HasSubstr("announced hash"));
+  EXPECT_THAT(refusal_of([&] { assembly.add(0, changed); }), HasSubstr("announced hash"));
 }
 
 TEST(SceneAssembly, RefusesAPieceThatWasTamperedWithIsTooLongOrHasNoPlace) {
   const auto packed = pack(*mesh_scene(test::ball(0.05, 10)));
   const std::size_t last = packed->announcement().pieces - 1;
   SceneAssembly assembly = assembly_of(*packed);
-  for (std::size_t i = 0; i < last; ++i) assembly.take(i, packed->piece(i));
+  for (std::size_t i = 0; i < last; ++i) assembly.add(i, packed->piece(i));
   std::vector<std::byte> changed(packed->piece(last).begin(), packed->piece(last).end());
   changed.back() ^= std::byte{1};
-  EXPECT_THAT(refusal_of([&] { assembly.take(last, changed); }), HasSubstr("another hash"));
-  EXPECT_THAT(refusal_of([&] { assembly.take(last, {}); }), HasSubstr("another hash"));
-  EXPECT_THAT(refusal_of([&] { assembly.take(last + 1, changed); }), HasSubstr("piece"));
+  EXPECT_THAT(refusal_of([&] { assembly.add(last, changed); }), HasSubstr("another hash"));
+  EXPECT_THAT(refusal_of([&] { assembly.add(last, {}); }), HasSubstr("another hash"));
+  EXPECT_THAT(refusal_of([&] { assembly.add(last + 1, changed); }), HasSubstr("piece"));
   changed.resize(kPieceBytesMax + 1);
-  EXPECT_THAT(refusal_of([&] { assembly.take(last, changed); }), HasSubstr("bytes long"));
+  EXPECT_THAT(refusal_of([&] { assembly.add(last, changed); }), HasSubstr("bytes long"));
 }
 
 TEST(SceneAssembly, RefusesMoreTrianglesThanItTakes) {
   const auto packed = pack(*mesh_scene(test::ball(0.05, 40)));
   SceneAssembly assembly = assembly_of(*packed, {.triangles = 100});
   EXPECT_THAT(refusal_of([&] {
-                for (std::size_t i = 0; i < packed->announcement().pieces; ++i) assembly.take(i, packed->piece(i));
+                for (std::size_t i = 0; i < packed->announcement().pieces; ++i) assembly.add(i, packed->piece(i));
               }),
               HasSubstr("more geometry than is taken"));
 }
@@ -336,7 +336,7 @@ TEST(SceneAssembly, RefusesAnEndlessStreamOfGeometryWithoutItsManifest) {
   const auto packed = pack(*mesh_scene(test::ball(0.05, 10)));
   SceneAssembly assembly({.manifest_bytes = 100, .pieces = 100'000}, scene::Registry::standard());
   EXPECT_THAT(refusal_of([&] {
-                for (std::size_t i = 1; i < 100'000; ++i) assembly.take(i, packed->piece(1));
+                for (std::size_t i = 1; i < 100'000; ++i) assembly.add(i, packed->piece(1));
               }),
               HasSubstr("without a manifest"));
 }
@@ -372,7 +372,7 @@ TEST(SceneAssembly, RefusesWhatTakesTooLongToBuild) {
   const auto built_within = [&](std::uint64_t nodes) {
     return refusal_of([&] {
       SceneAssembly assembly = assembly_of(*packed, {.nodes_of_a_build = nodes});
-      for (std::size_t i = 0; i < packed->announcement().pieces; ++i) assembly.take(i, packed->piece(i));
+      for (std::size_t i = 0; i < packed->announcement().pieces; ++i) assembly.add(i, packed->piece(i));
       (void)assembly.build();
     });
   };
@@ -392,7 +392,7 @@ TEST(SceneAssembly, RefusesWhatTogetherWouldMakeATickLate) {
   const auto built_within = [&](double tick_ns) {
     return refusal_of([&] {
       SceneAssembly assembly = assembly_of(*packed, {.tick_ns = tick_ns});
-      for (std::size_t i = 0; i < packed->announcement().pieces; ++i) assembly.take(i, packed->piece(i));
+      for (std::size_t i = 0; i < packed->announcement().pieces; ++i) assembly.add(i, packed->piece(i));
       (void)assembly.build();
     });
   };

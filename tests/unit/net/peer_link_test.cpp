@@ -104,8 +104,8 @@ class PeerLinkTest : public testing::Test {
   /// Asks every 50 ms.
   /// @param servers all that may be asked @param answer whether one of them answered
   /// @return whether an answer came within the duration
-  bool heard_within(time::Nanoseconds duration, std::initializer_list<const AtAddress*> servers,
-                    const std::function<bool()>& answer) {
+  bool received_within(time::Nanoseconds duration, std::initializer_list<const AtAddress*> servers,
+                       const std::function<bool()>& answer) {
     for (const auto end = clock_.time + duration; clock_.time < end;) {
       clock_.time += 50ms;
       if (ask()) wait_for_any(servers);
@@ -117,7 +117,7 @@ class PeerLinkTest : public testing::Test {
 
   /// The lookup's thread pauses in real time, however much of the clock's passes meanwhile.
   bool is_heard_at_last(std::initializer_list<const AtAddress*> servers, const std::function<bool()>& answer) {
-    return test::becomes_true([&] { return heard_within(50ms, servers, answer); });
+    return test::becomes_true([&] { return received_within(50ms, servers, answer); });
   }
 
   Names names_;
@@ -134,7 +134,7 @@ TEST_F(PeerLinkTest, FindsTheOneOfBothKindsOfAddressThatAnswers) {
     names_.lead_to(in_order_of_trial({v4.address(), v6.address()}));
     start();
     AtAddress& server = on_ipv6 ? v6 : v4;
-    EXPECT_TRUE(heard_within(3s, {&v4, &v6}, [&] { return server.answer(); })) << "IPv6: " << on_ipv6;
+    EXPECT_TRUE(received_within(3s, {&v4, &v6}, [&] { return server.answer(); })) << "IPv6: " << on_ipv6;
     link_->keep();
     EXPECT_EQ(link_->take_news(), "haptics.example:47800 is at " + to_string(server.address()));
     EXPECT_EQ(link_->take_news(), "");
@@ -146,7 +146,7 @@ TEST_F(PeerLinkTest, GoesOnAtOnceWhereNobodyIs) {
   const Address nobody{.ip = resolve({"::1", 0}).ip, .port = server.address().port};
   names_.lead_to({nobody, server.address()});
   start();
-  EXPECT_TRUE(heard_within(250ms, {&server}, [&] { return server.answer(); })) << "less than a turn";
+  EXPECT_TRUE(received_within(250ms, {&server}, [&] { return server.answer(); })) << "less than a turn";
 }
 
 TEST_F(PeerLinkTest, FindsAServerThatHasMoved) {
@@ -154,11 +154,11 @@ TEST_F(PeerLinkTest, FindsAServerThatHasMoved) {
   AtAddress after("127.0.0.2");
   names_.lead_to({before.address()});
   start();
-  ASSERT_TRUE(heard_within(1s, {&before, &after}, [&] { return before.answer(); }));
+  ASSERT_TRUE(received_within(1s, {&before, &after}, [&] { return before.answer(); }));
   link_->keep();
   names_.lead_to({after.address()});
   const int asked = names_.asked();
-  EXPECT_FALSE(heard_within(900ms, {&before, &after}, [&] { return after.answer(); }));
+  EXPECT_FALSE(received_within(900ms, {&before, &after}, [&] { return after.answer(); }));
   EXPECT_EQ(names_.asked(), asked) << "a short silence is no reason to ask";
   EXPECT_TRUE(is_heard_at_last({&before, &after}, [&] { return after.answer(); }));
   EXPECT_GT(names_.asked(), asked);
@@ -168,7 +168,7 @@ TEST_F(PeerLinkTest, FindsAServerWhoseNameHasNoAddressYet) {
   start();
   EXPECT_FALSE(link_->ready());
   EXPECT_EQ(lookup_->in_words(), "haptics.example:47800 (nobody knows 'haptics.example')");
-  EXPECT_FALSE(heard_within(500ms, {}, [] { return false; }));
+  EXPECT_FALSE(received_within(500ms, {}, [] { return false; }));
   AtAddress server("127.0.0.1");
   names_.lead_to({server.address()});
   EXPECT_TRUE(is_heard_at_last({&server}, [&] { return server.answer(); }));
@@ -184,7 +184,7 @@ TEST_F(PeerLinkTest, LeavesAnAddressThatAnswersWithoutASession) {
   const auto end = clock_.time + 20s;
   bool found = false;
   while (!found && clock_.time < end) {
-    (void)heard_within(50ms, {&another, &server}, [&] {
+    (void)received_within(50ms, {&another, &server}, [&] {
       found = server.answer();
       return another.answer() || found;
     });
@@ -199,7 +199,7 @@ TEST_F(PeerLinkTest, StaysWithAnyAnswerIfThatCounts) {
   start(PeerLink::Found::by_answer);
   bool left = false;
   for (const auto end = clock_.time + 20s; clock_.time < end;) {
-    EXPECT_TRUE(heard_within(1s, {&first, &second}, [&] {
+    EXPECT_TRUE(received_within(1s, {&first, &second}, [&] {
       left = left || second.answer();
       return first.answer();
     }));

@@ -29,20 +29,20 @@ constexpr time::Nanoseconds kPatience = 5s;  // used up only when a test fails
 
 std::span<const std::byte> bytes_of(std::string_view text) { return std::as_bytes(std::span(text)); }
 
-struct Heard {
+struct Received {
   std::string text;
   std::size_t bytes;
   Address from;
 };
 
-std::optional<Heard> hear(UdpLink& link, std::size_t room = kDatagramBytesMax) {
+std::optional<Received> receive(UdpLink& link, std::size_t room = kDatagramBytesMax) {
   const int descriptor = link.descriptor();
   wait_readable({&descriptor, 1}, kPatience);
   std::vector<std::byte> buffer(room);
   const auto received = link.receive(buffer);
   if (!received) return std::nullopt;
   const auto* text = reinterpret_cast<const char*>(buffer.data());
-  return Heard{{text, std::min(received->bytes, room)}, received->bytes, received->from};
+  return Received{{text, std::min(received->bytes, room)}, received->bytes, received->from};
 }
 
 class UdpLinkBothKinds : public testing::TestWithParam<const char*> {
@@ -57,12 +57,12 @@ TEST_P(UdpLinkBothKinds, CarriesQuestionAndAnswer) {
   UdpLink server = UdpLink::listen(any_port());
   UdpLink client = UdpLink::towards(server.local_address());
   ASSERT_TRUE(client.send(bytes_of("question"), server.local_address()));
-  const auto question = hear(server);
+  const auto question = receive(server);
   ASSERT_TRUE(question);
   EXPECT_EQ(question->text, "question");
   EXPECT_EQ(question->from, client.local_address());
   ASSERT_TRUE(server.send(bytes_of("answer"), question->from));
-  const auto answer = hear(client);
+  const auto answer = receive(client);
   ASSERT_TRUE(answer);
   EXPECT_EQ(answer->text, "answer");
   EXPECT_EQ(answer->from, server.local_address());
@@ -75,12 +75,12 @@ TEST_P(UdpLinkBothKinds, SurvivesAnAbsentServerAndReceivesWhenItIsBack) {
   server.reset();
   for (int i = 0; i < 3; ++i) {
     client.send(bytes_of("anybody?"), address);
-    EXPECT_FALSE(hear(client));  // port unreachable (ICMP) wakes it
+    EXPECT_FALSE(receive(client));  // port unreachable (ICMP) wakes it
   }
   EXPECT_GE(client.counters().refused, 1U);
   server.emplace(UdpLink::listen(address));
   client.send(bytes_of("hello"), address);
-  const auto hello = hear(*server);
+  const auto hello = receive(*server);
   ASSERT_TRUE(hello);
   EXPECT_EQ(hello->text, "hello");
 }
@@ -98,19 +98,19 @@ TEST(UdpLink, CutsOversizeDatagramsAndTellsTheirSize) {
   UdpLink server = UdpLink::listen(resolve({"127.0.0.1", 0}));
   UdpLink client = UdpLink::towards(server.local_address());
   ASSERT_TRUE(client.send(bytes_of(std::string(9000, 'x')), server.local_address()));
-  const auto heard = hear(server, 100);
-  ASSERT_TRUE(heard);
-  EXPECT_EQ(heard->bytes, 9000U);
-  EXPECT_EQ(heard->text, std::string(100, 'x'));
+  const auto received = receive(server, 100);
+  ASSERT_TRUE(received);
+  EXPECT_EQ(received->bytes, 9000U);
+  EXPECT_EQ(received->text, std::string(100, 'x'));
 }
 
 TEST(UdpLink, CarriesEmptyDatagrams) {
   UdpLink server = UdpLink::listen(resolve({"127.0.0.1", 0}));
   UdpLink client = UdpLink::towards(server.local_address());
   ASSERT_TRUE(client.send({}, server.local_address()));
-  const auto heard = hear(server);
-  ASSERT_TRUE(heard);
-  EXPECT_EQ(heard->bytes, 0U);
+  const auto received = receive(server);
+  ASSERT_TRUE(received);
+  EXPECT_EQ(received->bytes, 0U);
 }
 
 TEST(UdpLink, CountsWhatTheSystemDoesNotTake) {
@@ -188,7 +188,7 @@ TEST(UdpLink, AdoptsASocketThatAnotherBound) {
   EXPECT_NE(adopted.local_address().port, 0);
   UdpLink client = UdpLink::towards(adopted.local_address());
   ASSERT_TRUE(client.send(bytes_of("hello"), adopted.local_address()));
-  EXPECT_EQ(hear(adopted)->text, "hello");
+  EXPECT_EQ(receive(adopted)->text, "hello");
 }
 
 TEST(UdpLink, AdoptsNothingElse) {

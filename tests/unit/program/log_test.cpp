@@ -32,9 +32,9 @@ std::string json_of_warning(const std::string& program, const std::string& text)
 }
 
 TEST(Log, IsALineOfJsonForEachEventIfAskedFor) {
-  const std::string said = json_of_warning("json-example", "a \"word\" of \xff\n\x1b others");
-  EXPECT_EQ(said.find('\n'), said.size() - 1);
-  const auto line = nlohmann::json::parse(said);
+  const std::string output = json_of_warning("json-example", "a \"word\" of \xff\n\x1b others");
+  EXPECT_EQ(output.find('\n'), output.size() - 1);
+  const auto line = nlohmann::json::parse(output);
   EXPECT_EQ(line["level"], "warning");
   EXPECT_EQ(line["program"], "json-example");
   EXPECT_EQ(line["version"], FORCEBOUND_VERSION);

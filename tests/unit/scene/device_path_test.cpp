@@ -34,7 +34,7 @@ class PlayedPath : public ::testing::Test {
         const Nanoseconds took = transit(i);
         const Nanoseconds arrived = i * kBeat + took;
         if (took < 0ns || arrived <= (now - 1) * kBeat || arrived > now * kBeat) continue;
-        path.note({.position_m = place(i), .read = i * kBeat - 10h, .arrived = arrived, .buttons = buttons(i)});
+        path.receive({.position_m = place(i), .read = i * kBeat - 10h, .arrived = arrived, .buttons = buttons(i)});
       }
       if (!path.begun()) continue;
       const Point before_m = played.position_m;
@@ -157,7 +157,7 @@ TEST_F(PlayedPath, GoesToWhereTheDeviceIsAfterAnOutageWithoutABlow) {
 TEST_F(PlayedPath, LeavesOutReadingsThatAreNotLaterThanTheNewest) {
   play_until(1000);
   for (const Nanoseconds read : {900ms, 950ms, 979ms})
-    path.note({.position_m = along_x(5), .read = read - 10h, .arrived = 1000ms});
+    path.receive({.position_m = along_x(5), .read = read - 10h, .arrived = 1000ms});
   play_until(2000);
   EXPECT_LT(fastest_m_per_s, 1.2 * kSpeed_m_per_s);
 }
@@ -166,11 +166,11 @@ TEST_F(PlayedPath, BeginsAnewWithTheClockOfADeviceThatWasSet) {
   play_until(1000);
   const double before_m = played.position_m.x();
   // An hour on, and then a day back.
-  path.note({.position_m = along_x(before_m), .read = -9h, .arrived = 1000ms});
-  path.note({.position_m = along_x(before_m), .read = -33h, .arrived = 1001ms});
+  path.receive({.position_m = along_x(before_m), .read = -9h, .arrived = 1000ms});
+  path.receive({.position_m = along_x(before_m), .read = -33h, .arrived = 1001ms});
   for (int i = 1; i <= 100; ++i) {
     const Nanoseconds moment = 1001ms + i * kBeat;
-    path.note({.position_m = along_x(before_m + 1e-4 * i), .read = -33h + i * kBeat, .arrived = moment});
+    path.receive({.position_m = along_x(before_m + 1e-4 * i), .read = -33h + i * kBeat, .arrived = moment});
     played = path.play(moment);
   }
   EXPECT_NEAR(played.position_m.x(), before_m + 0.01, 5e-4);
@@ -189,9 +189,9 @@ TEST_F(PlayedPath, StaysWithinBoundsWhateverADeviceSends) {
     const auto n = static_cast<std::size_t>(i);
     // Some of these times follow each other by a nanosecond, others by what a clock would.
     const std::int64_t read = n % 3 == 0 ? kTimes.at(n / 3 % kTimes.size()) : i * 1'000'000LL - i % 2;
-    path.note({.position_m = Point::Constant(kPlaces.at(n % kPlaces.size())),
-               .read = Nanoseconds{read},
-               .arrived = i * 100us});
+    path.receive({.position_m = Point::Constant(kPlaces.at(n % kPlaces.size())),
+                  .read = Nanoseconds{read},
+                  .arrived = i * 100us});
     if (i % 10 != 0) continue;
     played = path.play(i * 100us);
     ASSERT_TRUE(played.position_m.allFinite() && played.velocity_m_per_s.allFinite()) << i;
@@ -206,7 +206,7 @@ TEST_F(PlayedPath, StaysWithinBoundsWhateverADeviceSends) {
 }
 
 TEST_F(PlayedPath, KeepsTheNewestOfMoreMotionsThanThereIsRoomFor) {
-  for (int i = 0; i <= 2000; ++i) path.note({.position_m = along_x(1e-4 * i), .read = i * 1us, .arrived = i * 1us});
+  for (int i = 0; i <= 2000; ++i) path.receive({.position_m = along_x(1e-4 * i), .read = i * 1us, .arrived = i * 1us});
   for (int i = 1; i <= 2000; ++i) played = path.play(2ms + i * kBeat);
   EXPECT_NEAR(played.position_m.x(), 0.2, 0.11) << "the last one, and on from it for a moment";
 }
@@ -215,7 +215,7 @@ TEST_F(PlayedPath, IsPlayedWithoutAllocating) {
   FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
   const test::AllocationGuard guard;
   for (int i = 0; i < 2000; ++i) {
-    path.note({.position_m = along_x(1e-4 * i), .read = i * kBeat, .arrived = i * kBeat});
+    path.receive({.position_m = along_x(1e-4 * i), .read = i * kBeat, .arrived = i * kBeat});
     played = path.play(i * kBeat);
   }
   EXPECT_EQ(guard.heap_operations(), 0U);

@@ -10,15 +10,15 @@ namespace {
 TEST(Latest, GivesTheNewestOnce) {
   Latest<int> latest;
   EXPECT_EQ(latest.take(), nullptr);
-  latest.tell(1);
-  latest.tell(2);
+  latest.store(1);
+  latest.store(2);
   ASSERT_NE(latest.take(), nullptr);
   EXPECT_EQ(latest.take(), nullptr);
-  latest.tell(3);
+  latest.store(3);
   const int* three = latest.take();
   ASSERT_NE(three, nullptr);
   EXPECT_EQ(*three, 3);
-  latest.tell(4);
+  latest.store(4);
   EXPECT_EQ(*three, 3) << "valid until it is asked again";
 }
 
@@ -30,7 +30,7 @@ TEST(Latest, IsNeverTornAndNeverGoesBack) {
   Latest<Pair> latest;
   constexpr long kLast = 200000;
   std::thread writer([&] {
-    for (long n = 1; n <= kLast; ++n) latest.tell({n, -n});
+    for (long n = 1; n <= kLast; ++n) latest.store({n, -n});
   });
   long seen = 0;
   while (seen < kLast) {

@@ -47,7 +47,7 @@ Assembly::Piece piece_of(const Description& description, std::uint32_t number) {
 /// @returns whether the last one completed it
 bool give_all(Assembly& assembly, const Description& description) {
   bool complete = false;
-  for (std::uint32_t i = 0; i < description.pieces(); ++i) complete = assembly.take(piece_of(description, i));
+  for (std::uint32_t i = 0; i < description.pieces(); ++i) complete = assembly.add(piece_of(description, i));
   return complete;
 }
 
@@ -63,10 +63,10 @@ TEST(Assembly, PutsPiecesInAnyOrderTogetherAndTakesDoubledOnesOnce) {
   Assembly assembly;
   for (std::uint32_t i = description.pieces(); i-- > 0;) {
     if (i == 3) continue;  // lost
-    EXPECT_FALSE(assembly.take(piece_of(description, i)));
-    EXPECT_FALSE(assembly.take(piece_of(description, i)));
+    EXPECT_FALSE(assembly.add(piece_of(description, i)));
+    EXPECT_FALSE(assembly.add(piece_of(description, i)));
   }
-  EXPECT_TRUE(assembly.take(piece_of(description, 3)));
+  EXPECT_TRUE(assembly.add(piece_of(description, 3)));
   EXPECT_FALSE(give_all(assembly, description)) << "the next round is nothing new";
   const Json message = Json::parse(scene_message(1, assembly.scene()->shown));
   EXPECT_EQ(message["name"], "sample");
@@ -87,29 +87,29 @@ TEST(Assembly, TellsWhatMovedOnceAndAllOfItAgainWhereAsked) {
   const std::vector<float> first{1, 2, 3, 4, 5, 6};
   const std::vector<float> rest{7, 8, 9, 10, 11, 12};
   Assembly::Piece piece{.session = kSession, .view = description.hash, .content = std::as_bytes(std::span(first))};
-  (void)assembly.take(piece);
+  (void)assembly.add(piece);
   EXPECT_EQ(assembly.take_moved(0), "") << "not before all of the surface is known";
   piece.first = 2;
   piece.content = std::as_bytes(std::span(rest));
-  (void)assembly.take(piece);
+  (void)assembly.add(piece);
   const Json moved = Json::parse(assembly.take_moved(1));
   EXPECT_EQ(moved["track"], 1);
   EXPECT_EQ(moved["meshes"][0]["name"], "pad");
   EXPECT_EQ(moved["meshes"][0]["vertices_m"], Json({1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}));
   EXPECT_EQ(assembly.take_moved(0), "");
-  (void)assembly.take(piece);
+  (void)assembly.add(piece);
   EXPECT_EQ(assembly.take_moved(0), "") << "it stays where it is";
   const std::vector<float> place{1, 2, 3, 1, 0, 0, 0};
-  (void)assembly.take({.session = kSession,
-                       .view = description.hash,
-                       .number = 1,
-                       .first = 1,
-                       .content = std::as_bytes(std::span(place))});
+  (void)assembly.add({.session = kSession,
+                      .view = description.hash,
+                      .number = 1,
+                      .first = 1,
+                      .content = std::as_bytes(std::span(place))});
   const Json turned = Json::parse(assembly.take_moved(0));
   EXPECT_EQ(turned["meshes"].size(), 0);
   EXPECT_EQ(turned["bodies"],
             Json::array({{{"name", "two"}, {"position_m", {1, 2, 3}}, {"orientation", {1, 0, 0, 0}}}}));
-  assembly.tell_again();
+  assembly.report_all_again();
   EXPECT_EQ(Json::parse(assembly.take_moved(0))["meshes"].size(), 1);
 }
 
@@ -122,7 +122,7 @@ TEST(Assembly, TellsValuesByTheirNamesAndFactsOfARobot) {
             R"({"kind":"scene","track":0,"name":"plug","shapes":[],"meshes":[],"more":"",)"
             R"("robot":{"architecture":"position-force"}})");
   const std::vector<float> values{0.5F, 2};
-  EXPECT_FALSE(assembly.take(
+  EXPECT_FALSE(assembly.add(
       {.session = kSession, .view = description.hash, .number = 1, .content = std::as_bytes(std::span(values))}));
   const Json moved = Json::parse(assembly.take_moved(0));
   EXPECT_EQ(moved["values"], (Json{{"lag_m", 0.5}, {"state", 2}}));
@@ -146,7 +146,7 @@ TEST(Assembly, ForgetsTheSceneOfAnotherSession) {
   ASSERT_TRUE(give_all(assembly, description));
   Assembly::Piece piece = piece_of(description, 0);
   piece.session = kSession + 1;
-  (void)assembly.take(piece);
+  (void)assembly.add(piece);
   EXPECT_FALSE(assembly.scene().has_value());
 }
 
@@ -161,7 +161,7 @@ TEST(Assembly, PassesOverMovementsThatDoNotFit) {
   const auto pass_over = [&](auto change) {
     Assembly::Piece piece = good;
     change(piece);
-    (void)assembly.take(piece);
+    (void)assembly.add(piece);
     EXPECT_EQ(assembly.take_moved(0), "");
   };
   pass_over([](auto& piece) { piece.view ^= 1; });
@@ -170,7 +170,7 @@ TEST(Assembly, PassesOverMovementsThatDoNotFit) {
   pass_over([](auto& piece) { piece.first = ~0U; });
   pass_over([](auto& piece) { piece.content = piece.content.first(11); });
   pass_over([&](auto& piece) { piece.content = std::as_bytes(std::span(not_finite)); });
-  (void)assembly.take(good);
+  (void)assembly.add(good);
   EXPECT_NE(assembly.take_moved(0), "");
 }
 
@@ -229,10 +229,10 @@ TEST(Assembly, TakesNoDescriptionThatIsNotWhatItsHashSays) {
 
 TEST(Assembly, TakesNoPiecesOfMoreThanADescriptionMayHave) {
   Assembly assembly;
-  EXPECT_FALSE(assembly.take({.session = kSession, .view = 1, .pieces = ~0U, .number = 0}));
-  EXPECT_FALSE(assembly.take({.session = kSession, .view = 1, .pieces = 2, .number = 2}));
+  EXPECT_FALSE(assembly.add({.session = kSession, .view = 1, .pieces = ~0U, .number = 0}));
+  EXPECT_FALSE(assembly.add({.session = kSession, .view = 1, .pieces = 2, .number = 2}));
   const std::vector<std::byte> longer(kPieceBytes + 1);
-  EXPECT_FALSE(assembly.take({.session = kSession, .view = 1, .pieces = 1, .number = 0, .content = longer}));
+  EXPECT_FALSE(assembly.add({.session = kSession, .view = 1, .pieces = 1, .number = 0, .content = longer}));
 }
 
 TEST(Description, ThatIsNestedDeeplyIsRefusedAndTakesNoStack) {

@@ -112,9 +112,9 @@ std::string server_of(const http::Response& answer) {
   if (answer.status != kGood) {
     throw std::runtime_error("HTTP status " + std::to_string(answer.status) + ": " + words_in(answer.body));
   }
-  const Json said = Json::parse(answer.body, nullptr, false);
-  const Json& address = page::json_member(said, "address");
-  const Json& port = port_in(said);
+  const Json reply = Json::parse(answer.body, nullptr, false);
+  const Json& address = page::json_member(reply, "address");
+  const Json& port = port_in(reply);
   if (!address.is_string() || address.get<std::string>().empty() || !port.is_number_unsigned()) {
     throw std::runtime_error("its answer has no address and port: " + words_in(answer.body));
   }

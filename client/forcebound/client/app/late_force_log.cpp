@@ -4,7 +4,7 @@
 
 namespace forcebound::client {
 
-void LateForceLog::note(const Event& event) noexcept {
+void LateForceLog::store(const Event& event) noexcept {
   waiting_ = {event.kind, event.duration, waiting_ ? waiting_->left_out + 1 : 0};
 }
 

@@ -24,7 +24,7 @@ class LateForceLog {
     return kind == Event::Kind::force_fading || kind == Event::Kind::force_dropped || kind == Event::Kind::force_fresh;
   }
 
-  void note(const Event& event) noexcept;
+  void store(const Event& event) noexcept;
 
   /// The line that is due now, if any.
   std::optional<Line> take(time::Nanoseconds now) noexcept;

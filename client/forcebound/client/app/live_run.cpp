@@ -62,7 +62,7 @@ class LiveRun {
     do {
       if (next_) choice_ = *std::exchange(next_, std::nullopt);
       try {
-        note_end(run_once());
+        store_exit_code(run_once());
         worked_ = choice_;
       } catch (const std::exception& error) {
         // What cannot be run for what was chosen goes back to what could.
@@ -92,7 +92,7 @@ class LiveRun {
   };
 
   /// Of several runs the worst counts; that none had a session counts where that is so of all.
-  void note_end(int exit_code) {
+  void store_exit_code(int exit_code) {
     constexpr std::array kFromWorst{program::kNotPassive, program::kFailed, program::kOutputLost, program::kDone,
                                     program::kNeverConnected};
     const auto rank = [&](int code) { return std::ranges::find(kFromWorst, code); };
@@ -153,10 +153,10 @@ class LiveRun {
 
   /// What is to be done several times a second.
   void attend(Client& client, const LiveTrack& main, Screen& screen, time::Nanoseconds now, time::Nanoseconds elapsed) {
-    if (const std::string news = client.take_server_news(); !news.empty()) screen.tell_news(news);
-    if (const std::string why = client.take_server_problem(); !why.empty()) screen.tell_problem(why);
+    if (const std::string news = client.take_server_news(); !news.empty()) screen.report_news(news);
+    if (const std::string why = client.take_server_problem(); !why.empty()) screen.report_problem(why);
     screen.refresh(now, elapsed, client.server_in_words());
-    if (const std::string fault = client.take_recording_fault(); !fault.empty()) screen.tell_recording_fault(fault);
+    if (const std::string fault = client.take_recording_fault(); !fault.empty()) screen.report_recording_fault(fault);
     show_scene(0, client);
     while (!next_) {
       const auto request = page_.take_request();
@@ -171,7 +171,7 @@ class LiveRun {
       again_ = false;
     }
     if (!ended_ && (stop_ || over || next_)) {
-      page_.note_closing();
+      page_.set_closing();
       ended_ = true;
     }
   }
@@ -193,21 +193,21 @@ class LiveRun {
           if (event.kind != Event::Kind::refused) {
             show_event(1, words_of(event));
           } else if (!beside.ended.exchange(true)) {
-            page_.tell(0, "info", "no second law runs beside: " + std::string(event.words()));
+            page_.report(0, "info", "no second law runs beside: " + std::string(event.words()));
             beside.refused = true;
           }
         }
         show_scene(1, client);
       });
     } catch (const std::exception& error) {
-      page_.tell(1, "error", error.what());
+      page_.report(1, "error", error.what());
     }
   }
 
   void show_event(int track, const EventWords& words) {
     if (!words.simulated.empty())
       scenes_.at(static_cast<std::size_t>(track)).simulated = "simulated: " + words.simulated;
-    page_.tell(track, level_of(words), words.text);
+    page_.report(track, level_of(words), words.text);
   }
 
   void show_scene(int track, const Client& client) {
@@ -216,9 +216,9 @@ class LiveRun {
     if (scene == shown.scene) return;
     shown.scene = scene;
     if (!scene) return;
-    view::ShownScene looks = view::shown(*scene, view::Which::all);
-    view::add_words(looks.more, shown.simulated);
-    page_.set_scene(track, std::move(looks));
+    view::ShownScene appearance = view::shown(*scene, view::Which::all);
+    view::add_words(appearance.more, shown.simulated);
+    page_.set_scene(track, std::move(appearance));
   }
 
   void show(const std::vector<std::unique_ptr<LiveTrack>>& tracks) {
@@ -255,7 +255,7 @@ class LiveRun {
     if (next == choice_) return page_.set_state(state_);
     maker_.check(next);
     next_ = next;
-    page_.tell(0, "info", "begins anew: " + words_of_change(choice_, next));
+    page_.report(0, "info", "begins anew: " + words_of_change(choice_, next));
     spdlog::info("begins anew: {}", words_of_change(choice_, next));
   }
 
@@ -267,8 +267,8 @@ class LiveRun {
     state_.network = network_;
     page_.set_state(state_);
     const std::string words = "network, each way: " + words_of_network(*network_);
-    page_.tell(0, "info", words);
-    client.note(words);
+    page_.report(0, "info", words);
+    client.add_note(words);
   }
 
   int conclude(const Client& client) {

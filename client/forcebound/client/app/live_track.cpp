@@ -142,10 +142,10 @@ void TrackMaker::check(const PageChoice& choice) const {
 
 void TrackMaker::set_start(const PageChoice& choice, const std::optional<control::Vector>& tip) {
   const int rows = facts_of(choice.device).translations();
-  if (choice.scene != last_scene_) told_m_.reset();
+  if (choice.scene != last_scene_) reported_m_.reset();
   begins_ = !tip || tip->rows() != rows || !tip->allFinite() || choice.scene != last_scene_;
   start_m_ = begins_ ? start_in(find_known_scene(choice.scene), rows) : *tip;
-  if (begins_ && told_m_) (void)set_told_start(*told_m_);
+  if (begins_ && reported_m_) (void)set_told_start(*reported_m_);
   // A pointer that the command line places begins there.
   first_ = last_scene_.empty() && !tip;
   last_scene_ = choice.scene;
@@ -153,7 +153,7 @@ void TrackMaker::set_start(const PageChoice& choice, const std::optional<control
 
 bool TrackMaker::set_told_start(const control::Vector& place_m) {
   constexpr double kSame_m = 1e-3;
-  told_m_ = place_m;
+  reported_m_ = place_m;
   if (!begins_ || !has_pointer() || has_place()) return false;
   control::Vector start_m = control::Vector::Zero(start_m_.rows());
   const Eigen::Index axes = std::min(start_m.rows(), place_m.rows());

@@ -74,7 +74,7 @@ class TrackMaker {
   const control::LawRegistry& laws_;
   const device::DeviceRegistry& devices_;
   control::Vector start_m_;
-  std::optional<control::Vector> told_m_;  ///< of the last scene
+  std::optional<control::Vector> reported_m_;  ///< of the last scene
   std::string last_scene_;
   bool begins_ = true;  ///< not from where the tip was
   bool first_ = true;

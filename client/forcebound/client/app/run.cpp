@@ -60,18 +60,18 @@ int run(const Options& options, const std::atomic<bool>& stop) {
   warn_of_hand(options.device.hand, *device);
   Screen screen(options, line, client.events());
   Nanoseconds last{0};
-  bool grant_told = false;
+  bool grant_reported = false;
   const auto housekeeping = [&](Nanoseconds now, Nanoseconds elapsed) {
-    if (!grant_told && client.real_time_grant() != nullptr) {
-      grant_told = true;
+    if (!grant_reported && client.real_time_grant() != nullptr) {
+      grant_reported = true;
       spdlog::info("tick thread: {}", *client.real_time_grant());
     }
-    if (const std::string news = client.take_server_news(); !news.empty()) screen.tell_news(news);
+    if (const std::string news = client.take_server_news(); !news.empty()) screen.report_news(news);
     if (const std::string problem = client.take_server_problem(); !problem.empty()) {
-      screen.tell_problem(problem);
+      screen.report_problem(problem);
     }
     screen.refresh(now, elapsed, client.server_in_words());
-    if (const std::string fault = client.take_recording_fault(); !fault.empty()) screen.tell_recording_fault(fault);
+    if (const std::string fault = client.take_recording_fault(); !fault.empty()) screen.report_recording_fault(fault);
     last = now;
   };
   client.run(stop, housekeeping, [&](std::string_view crash, bool device_stopped) {

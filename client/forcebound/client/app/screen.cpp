@@ -14,7 +14,7 @@
 namespace forcebound::client {
 namespace {
 
-constexpr Nanoseconds kNoAnswerTold = std::chrono::seconds{2};
+constexpr Nanoseconds kNoAnswerReported = std::chrono::seconds{2};
 
 const char* const kClearLine = "\r\033[K";
 
@@ -34,7 +34,7 @@ Screen::Screen(const Options& options, const LiveLine& line, EventQueue& events,
       also_(std::move(also)) {}
 
 void Screen::refresh(Nanoseconds now, Nanoseconds elapsed, const std::string& server) {
-  if (elapsed > kNoAnswerTold && !options_.client.once) warn_of_no_answer(server);
+  if (elapsed > kNoAnswerReported && !options_.client.once) warn_of_no_answer(server);
   log_events(now);
   if (live_) std::fprintf(stderr, "%s%s", kClearLine, line_.text(columns() - 1).c_str());
 }
@@ -46,20 +46,20 @@ void Screen::end(Nanoseconds now) {
   if (const auto line = late_force_.take_rest()) log_late_force(*line);
 }
 
-void Screen::tell_recording_fault(const std::string& fault) const {
+void Screen::report_recording_fault(const std::string& fault) const {
   say({spdlog::level::err, fault + "; the run goes on"});
 }
 
-void Screen::tell_news(const std::string& news) const { say({spdlog::level::info, news}); }
+void Screen::report_news(const std::string& news) const { say({spdlog::level::info, news}); }
 
-void Screen::tell_problem(const std::string& problem) const { say({spdlog::level::warn, problem + "; retrying"}); }
+void Screen::report_problem(const std::string& problem) const { say({spdlog::level::warn, problem + "; retrying"}); }
 
 void Screen::clear() const {
   if (live_) std::fputs(kClearLine, stderr);
 }
 
 void Screen::warn_of_no_answer(const std::string& server) {
-  if (line_.state() != record::SessionState::connecting || std::exchange(no_answer_told_, true)) return;
+  if (line_.state() != record::SessionState::connecting || std::exchange(no_answer_reported_, true)) return;
   say({spdlog::level::warn, "no answer from " + server + " yet; retrying"});
 }
 
@@ -69,7 +69,7 @@ void Screen::log_events(Nanoseconds now) {
   };
   while (events_.take(event_)) {
     if (LateForceLog::concerns(event_.kind)) {
-      late_force_.note(event_);
+      late_force_.store(event_);
       log_due();
     } else {
       say(words_of(event_));

@@ -24,11 +24,11 @@ class Screen {
   void refresh(time::Nanoseconds now, time::Nanoseconds elapsed, const std::string& server);
 
   /// Logs that the recording has become incomplete.
-  void tell_recording_fault(const std::string& fault) const;
+  void report_recording_fault(const std::string& fault) const;
 
   /// Logs where the server is and what handshakes came to, or why it is not found or lets nobody in.
-  void tell_news(const std::string& news) const;
-  void tell_problem(const std::string& problem) const;
+  void report_news(const std::string& news) const;
+  void report_problem(const std::string& problem) const;
 
   /// Erases the live line and logs the remaining events.
   void end(time::Nanoseconds now);
@@ -41,7 +41,7 @@ class Screen {
   void clear() const;
 
   bool live_;
-  bool no_answer_told_ = false;
+  bool no_answer_reported_ = false;
   const Options& options_;
   const LiveLine& line_;
   EventQueue& events_;

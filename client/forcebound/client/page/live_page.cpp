@@ -45,7 +45,7 @@ void LivePage::begin_run(PageState state, std::vector<ShownTrack> tracks) {
   queue_hello();
 }
 
-void LivePage::note_closing() {
+void LivePage::set_closing() {
   const std::scoped_lock lock(lock_);
   closing_ = true;
 }
@@ -65,7 +65,7 @@ void LivePage::set_scene(int track, view::ShownScene scene) {
   scenes_[place].changed = true;
 }
 
-void LivePage::tell(int track, const std::string& level, const std::string& text) {
+void LivePage::report(int track, const std::string& level, const std::string& text) {
   const std::scoped_lock lock(lock_);
   std::string message = event_message(track, now_s(), level, text::printable(text));
   events_.push_back(message);
@@ -112,7 +112,7 @@ void LivePage::greet(page::ViewerId viewer, page::Viewers& viewers) {
     for (std::size_t i = 0; i < told; ++i) messages.push_back(shared(events_[i]));
   }
   for (const page::Text& message : messages) viewers.send(viewer, message, page::Worth::needed);
-  for (Track& track : tracks_) track.assembly.tell_again();
+  for (Track& track : tracks_) track.assembly.report_all_again();
 }
 
 /// Whoever leaves has nothing in the hand any more.
@@ -198,7 +198,7 @@ void LivePage::point(const Track& track) const {
 }
 
 /// Behind `lock_`.
-void LivePage::take_run() {
+void LivePage::begin_next_run() {
   if (!next_tracks_) return;
   tracks_.clear();
   for (ShownTrack& shown : *next_tracks_) {
@@ -209,11 +209,11 @@ void LivePage::take_run() {
 }
 
 /// Of the page's thread alone: a description is read here.
-void LivePage::take_view(std::size_t number) {
+void LivePage::receive_view(std::size_t number) {
   Track& track = tracks_[number];
   if (!track.shown.view) return;
-  track.shown.view->take([&](const view::Assembly::Piece& piece) {
-    if (!track.assembly.take(piece)) return;
+  track.shown.view->drain([&](const view::Assembly::Piece& piece) {
+    if (!track.assembly.add(piece)) return;
     auto server = std::make_shared<const view::ShownScene>(track.assembly.scene()->shown);
     const std::scoped_lock lock(lock_);
     if (next_tracks_ || number >= scenes_.size()) return;  // of a run that is over
@@ -241,10 +241,10 @@ void LivePage::show_scenes(page::Viewers& viewers) {
       server = scene.server;
     }
     static const view::ShownScene kNothing;
-    const view::ShownScene looks = here ? view::joined(*here, server ? *server : kNothing) : *server;
-    const page::Text message = shared(view::scene_message(static_cast<int>(i), looks));
+    const view::ShownScene appearance = here ? view::joined(*here, server ? *server : kNothing) : *server;
+    const page::Text message = shared(view::scene_message(static_cast<int>(i), appearance));
     viewers.send_to_all(message, page::Worth::needed);
-    tracks_[i].assembly.tell_again();
+    tracks_[i].assembly.report_all_again();
     const std::scoped_lock lock(lock_);
     if (!next_tracks_ && i < scenes_.size()) scenes_[i].message = message;
   }
@@ -272,7 +272,7 @@ void LivePage::beat(page::Viewers& viewers) {
   bool closing = false;
   {
     const std::scoped_lock lock(lock_);
-    take_run();
+    begin_next_run();
     outbox.swap(outbox_);
     events_waiting_ = 0;
     hello_waits_ = false;
@@ -281,10 +281,10 @@ void LivePage::beat(page::Viewers& viewers) {
   for (std::string& message : outbox) viewers.send_to_all(shared(std::move(message)), page::Worth::needed);
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     auto& [shown, figures, assembly] = tracks_[i];
-    shown.tap->take([&figures = figures](const ForceSample& force) { figures.add(force); },
-                    [&figures = figures](const TickSample& tick) { figures.add(tick); });
+    shown.tap->drain([&figures = figures](const ForceSample& force) { figures.add(force); },
+                     [&figures = figures](const TickSample& tick) { figures.add(tick); });
     point(tracks_[i]);
-    take_view(i);
+    receive_view(i);
   }
   if (viewers.count() > 0) show_scenes(viewers);
   for (std::size_t i = 0; i < tracks_.size(); ++i) {

@@ -50,12 +50,12 @@ class LivePage final : public page::Subject {
   /// Another run is shown from now on, its figures from zero.
   void begin_run(PageState state, std::vector<ShownTrack> tracks);
   /// The run that is shown ends.
-  void note_closing();
+  void set_closing();
   /// The same run, but something of what a page shows as chosen is another.
   void set_state(PageState state);
   /// What of a track's scene is at this client. What the server tells of the rest is shown beside.
   void set_scene(int track, view::ShownScene scene);
-  void tell(int track, const std::string& level, const std::string& text);
+  void report(int track, const std::string& level, const std::string& text);
   void refuse(const std::string& about, const std::string& text);
 
   /// Where the server says that a hand begins in the scene of the run that is shown, once; nothing: it has not said.
@@ -91,8 +91,8 @@ class LivePage final : public page::Subject {
   [[nodiscard]] double now_s() const noexcept;
   void queue(std::string message);
   void queue_hello();
-  void take_run();
-  void take_view(std::size_t track);
+  void begin_next_run();
+  void receive_view(std::size_t track);
   void show_scenes(page::Viewers& viewers);
   void show(Track& track, int number, bool closing, page::Viewers& viewers);
   void let_go() noexcept;

@@ -103,14 +103,14 @@ void RunFigures::add(const TickSample& tick) {
     late_ += tick.interval > options_.period + record::kLateBy ? 1U : 0U;
   }
   if (tick.force_sequence != 0) age_s_.add(time::to_seconds(tick.age));
-  note_use(tick);
+  add_stages(tick);
   touched_ = touched_ || tick.contact || tick.asked_N != Axes{} || tick.applied_torque_N_m != Axes{};
   newest_ = tick;
   if (waiting_.size() < kWaitingMost) waiting_.push_back(tick);
 }
 
 /// When a force first reaches the device it has waited since it came.
-void RunFigures::note_use(const TickSample& tick) {
+void RunFigures::add_stages(const TickSample& tick) {
   if (tick.force_sequence == 0 || tick.force_sequence == last_used_) return;
   last_used_ = tick.force_sequence;
   const auto used = std::ranges::find(unused_, tick.force_sequence, &ForceSample::motion_sequence);

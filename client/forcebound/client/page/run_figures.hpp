@@ -72,7 +72,7 @@ class RunFigures {
   };
   [[nodiscard]] Network network() const noexcept;
   [[nodiscard]] std::optional<bool> passive() const noexcept;
-  void note_use(const TickSample& tick);
+  void add_stages(const TickSample& tick);
   void add_handle(std::string& to) const;
 
   Options options_;

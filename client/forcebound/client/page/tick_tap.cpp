@@ -90,8 +90,8 @@ ForceSample Sampler::sample(const record::ForceRecord& record) noexcept {
   return sample;
 }
 
-void TickTap::take(const std::function<void(const ForceSample&)>& forces,
-                   const std::function<void(const TickSample&)>& ticks) {
+void TickTap::drain(const std::function<void(const ForceSample&)>& forces,
+                    const std::function<void(const TickSample&)>& ticks) {
   queues_->forces.consume_all(forces);
   queues_->ticks.consume_all(ticks);
 }

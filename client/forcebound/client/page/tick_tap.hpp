@@ -69,7 +69,7 @@ class Sampler {
 /// Carries ticks and answers to the thread of a page. A full queue drops them and counts: about 4 s fit.
 ///
 /// Real time: the `on_` functions are noexcept, allocate nothing and never wait. One thread calls them, one other
-/// thread `take`.
+/// thread `drain`.
 class TickTap final : public record::TickSink {
  public:
   static constexpr std::size_t kCapacity = 4096;
@@ -81,7 +81,8 @@ class TickTap final : public record::TickSink {
   void on_force(const record::ForceRecord& force) noexcept override;
 
   /// Calls `forces` for the answers that wait, then `ticks` for the ticks, each in their order.
-  void take(const std::function<void(const ForceSample&)>& forces, const std::function<void(const TickSample&)>& ticks);
+  void drain(const std::function<void(const ForceSample&)>& forces,
+             const std::function<void(const TickSample&)>& ticks);
 
   /// Whether the tip touched something at the newest tick. Any thread.
   [[nodiscard]] bool touches() const noexcept { return touches_.load(std::memory_order_relaxed); }

@@ -38,7 +38,7 @@ void ViewTap::on_view(const wire::ViewPiece& piece) noexcept {
   (void)queue_->kept.push(kept);
 }
 
-void ViewTap::take(const std::function<void(const view::Assembly::Piece&)>& use) {
+void ViewTap::drain(const std::function<void(const view::Assembly::Piece&)>& use) {
   queue_->kept.consume_all([&use](const Queue::Kept& kept) {
     view::Assembly::Piece piece = kept.piece;
     piece.content = std::span(kept.content).first(kept.bytes);

@@ -11,7 +11,7 @@ namespace forcebound::client {
 /// Carries what the server tells of how the scene looks to the thread of a page. A full queue drops it: something newer
 /// follows.
 ///
-/// Real time: `on_view` is noexcept, allocates nothing and never waits. One thread calls it, one other thread `take`.
+/// Real time: `on_view` is noexcept, allocates nothing and never waits. One thread calls it, one other thread `drain`.
 class ViewTap final : public ViewSink {
  public:
   /// Pieces: of half a second.
@@ -23,7 +23,7 @@ class ViewTap final : public ViewSink {
   void on_view(const wire::ViewPiece& piece) noexcept override;
 
   /// Calls `use` for each that waits, in their order.
-  void take(const std::function<void(const view::Assembly::Piece&)>& use);
+  void drain(const std::function<void(const view::Assembly::Piece&)>& use);
 
  private:
   struct Queue;

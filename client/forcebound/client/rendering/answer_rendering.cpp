@@ -88,7 +88,7 @@ double AnswerRendering::least_radius_m() const noexcept {
   return least_m;
 }
 
-void AnswerRendering::take(const wire::EnvironmentForce& newest, const Tick& tick) noexcept {
+void AnswerRendering::store_answer(const wire::EnvironmentForce& newest, const Tick& tick) noexcept {
   sequence_ = newest.motion_sequence;
   session_ = newest.session;
   force_N_ = newest.answer.force;
@@ -104,10 +104,10 @@ void AnswerRendering::take(const wire::EnvironmentForce& newest, const Tick& tic
     const local_model::Surface& told = model_.surfaces.at(k);
     const auto same = std::ranges::find_if(before, [&](const SurfaceContact& one) { return one.is(told.id); });
     if (same != before.end()) surfaces_.at(k) = *same;
-    surfaces_.at(k).take(told, device_, tick.age);
+    surfaces_.at(k).update(told, device_, tick.age);
   }
   if (model_.has_mass) {
-    mass_.take(model_.mass, tick.age, tick.now);
+    mass_.update(model_.mass, tick.age, tick.now);
   } else {
     mass_.forget();
   }
@@ -126,7 +126,7 @@ AnswerRendering::Sum AnswerRendering::go_over_to(const wire::EnvironmentForce& n
     refused_ += modelled ? 1 : 0;
     forget_models();
   }
-  take(newest, tick);
+  store_answer(newest, tick);
   const Sum next = sum(tick.age, tick.share);
   if (!first && goes_on && (modelled || !model_.empty())) {
     const Point next_N = tick.share * held_N(tick.server_parts_alone) + next.correction_N;

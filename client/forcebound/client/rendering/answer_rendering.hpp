@@ -81,7 +81,7 @@ class AnswerRendering {
   void look(const Tick& tick) noexcept;
   void advance(const ModelAge& age, Nanoseconds now) noexcept;
   void forget_models() noexcept;
-  void take(const wire::EnvironmentForce& newest, const Tick& tick) noexcept;
+  void store_answer(const wire::EnvironmentForce& newest, const Tick& tick) noexcept;
   [[nodiscard]] Sum go_over_to(const wire::EnvironmentForce& newest, const Tick& tick, const ModelAge& age_before,
                                double share_before) noexcept;
   [[nodiscard]] Sum sum(const ModelAge& age, double share) const noexcept;

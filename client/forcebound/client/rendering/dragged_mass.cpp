@@ -18,10 +18,10 @@ constexpr double kHeld = 0.02;
 
 }  // namespace
 
-void DraggedMass::take(const local_model::Mass& told, const ModelAge& age, Nanoseconds now) noexcept {
-  const bool same = there_ && told.id == told_.id;
+void DraggedMass::update(const local_model::Mass& told, const ModelAge& age, Nanoseconds now) noexcept {
+  const bool same = there_ && told.id == reported_.id;
   const Point before_N = pull_N(device_);
-  told_ = told;
+  reported_ = told;
   there_ = true;
   find_way_back();
   if (!same) {
@@ -48,28 +48,28 @@ void DraggedMass::take(const local_model::Mass& told, const ModelAge& age, Nanos
 
 /// Along which it goes where its joints keep it from going along the push alone.
 void DraggedMass::find_way_back() noexcept {
-  const Point pushed = told_.free_per_kg * told_.push;
-  const double along = pushed.dot(told_.push);
-  back_ = along > kHeld * pushed.norm() ? Point(pushed / along) : told_.push;
+  const Point pushed = reported_.free_per_kg * reported_.push;
+  const double along = pushed.dot(reported_.push);
+  back_ = along > kHeld * pushed.norm() ? Point(pushed / along) : reported_.push;
 }
 
 /// Where it hardly answers to a force something holds it, and it has the velocity of that.
 void DraggedMass::match_held_velocity() noexcept {
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-  solver.computeDirect(told_.free_per_kg, Eigen::EigenvaluesOnly);
+  solver.computeDirect(reported_.free_per_kg, Eigen::EigenvaluesOnly);
   const double free_per_kg = solver.eigenvalues().maxCoeff();
-  solver.computeDirect(told_.mobility_per_kg);
+  solver.computeDirect(reported_.mobility_per_kg);
   for (Eigen::Index i = 0; i < 3; ++i) {
     if (solver.eigenvalues()[i] > kHeld * free_per_kg) continue;
     const Point along = solver.eigenvectors().col(i);
-    velocity_m_per_s_ += along * along.dot(told_.velocity_m_per_s - velocity_m_per_s_);
+    velocity_m_per_s_ += along * along.dot(reported_.velocity_m_per_s - velocity_m_per_s_);
   }
 }
 
 void DraggedMass::begin(const ModelAge& age) noexcept {
-  place_m_ = told_.place_m + age.s * local_model::no_longer_than(told_.velocity_m_per_s, kSpeedMost_m_per_s);
-  velocity_m_per_s_ = told_.velocity_m_per_s;
-  stop_at(told_.travel_m);
+  place_m_ = reported_.place_m + age.s * local_model::no_longer_than(reported_.velocity_m_per_s, kSpeedMost_m_per_s);
+  velocity_m_per_s_ = reported_.velocity_m_per_s;
+  stop_at(reported_.travel_m);
   deviation_m_.setZero();
   corrected_m_.setZero();
   moved_ = false;
@@ -94,18 +94,18 @@ std::optional<Point> DraggedMass::place_at_m(Nanoseconds time) const noexcept {
 }
 
 Point DraggedMass::pull_N(const DevicePoint& device) const noexcept {
-  return told_.stiffness_N_per_m * local_model::no_longer_than<Point>(device.place_m - place_m_, kReachMost_m) +
-         told_.damping_N_s_per_m *
+  return reported_.stiffness_N_per_m * local_model::no_longer_than<Point>(device.place_m - place_m_, kReachMost_m) +
+         reported_.damping_N_s_per_m *
              (local_model::no_longer_than(device.velocity_m_per_s, kSpeedMost_m_per_s) - velocity_m_per_s_);
 }
 
-double DraggedMass::way_m() const noexcept { return (place_m_ - told_.place_m).dot(told_.push); }
+double DraggedMass::way_m() const noexcept { return (place_m_ - reported_.place_m).dot(reported_.push); }
 
 void DraggedMass::stop_at(double most_m) noexcept {
   const double beyond_m = way_m() - most_m;
   if (!(beyond_m > 0)) return;
   place_m_ -= beyond_m * back_;
-  velocity_m_per_s_ -= std::max(0.0, velocity_m_per_s_.dot(told_.push)) * back_;
+  velocity_m_per_s_ -= std::max(0.0, velocity_m_per_s_.dot(reported_.push)) * back_;
 }
 
 void DraggedMass::step(const DevicePoint& device, double step_s, double share) noexcept {
@@ -113,11 +113,11 @@ void DraggedMass::step(const DevicePoint& device, double step_s, double share) n
   moved_by_N_ = pull;
   device_ = device;
   moved_ = true;
-  const bool leaves = told_.push.dot(told_.free_per_kg * pull) < 0;
-  const Eigen::Matrix3d& moved_per_kg = leaves ? told_.free_per_kg : told_.mobility_per_kg;
-  velocity_m_per_s_ += step_s * (share * told_.bias_m_per_s2 + moved_per_kg * pull);
+  const bool leaves = reported_.push.dot(reported_.free_per_kg * pull) < 0;
+  const Eigen::Matrix3d& moved_per_kg = leaves ? reported_.free_per_kg : reported_.mobility_per_kg;
+  velocity_m_per_s_ += step_s * (share * reported_.bias_m_per_s2 + moved_per_kg * pull);
   velocity_m_per_s_ = local_model::no_longer_than(velocity_m_per_s_, kSpeedMost_m_per_s);
-  const double most_m = std::max(told_.travel_m, way_m());
+  const double most_m = std::max(reported_.travel_m, way_m());
   place_m_ += step_s * velocity_m_per_s_;
   stop_at(most_m);
 }

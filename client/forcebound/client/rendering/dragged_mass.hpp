@@ -32,7 +32,7 @@ class DraggedMass {
   static constexpr double kBeginsAnew_m = 0.02;
 
   /// Another answer tells of it. @param now of the device's clock
-  void take(const local_model::Mass& told, const ModelAge& age, Nanoseconds now) noexcept;
+  void update(const local_model::Mass& told, const ModelAge& age, Nanoseconds now) noexcept;
 
   void forget() noexcept { there_ = false; }
 
@@ -45,15 +45,15 @@ class DraggedMass {
     return moved_ ? Point(-moved_by_N_) : Point(-pull_N(device));
   }
   [[nodiscard]] double weight(const DevicePoint& device) const noexcept {
-    return weight_at((device.place_m - told_.place_m).norm(), told_.radius_m);
+    return weight_at((device.place_m - reported_.place_m).norm(), reported_.radius_m);
   }
-  [[nodiscard]] const Point& held_N() const noexcept { return told_.force_N; }
+  [[nodiscard]] const Point& held_N() const noexcept { return reported_.force_N; }
 
   /// Nobody else moves it: when the server is silent, the client knows where it is.
-  [[nodiscard]] bool is_the_devices_own() const noexcept { return !told_.others_move_it; }
+  [[nodiscard]] bool is_the_devices_own() const noexcept { return !reported_.others_move_it; }
 
   /// Nothing but the device pulls at it.
-  [[nodiscard]] bool stands() const noexcept { return is_the_devices_own() && told_.bias_m_per_s2.isZero(0); }
+  [[nodiscard]] bool stands() const noexcept { return is_the_devices_own() && reported_.bias_m_per_s2.isZero(0); }
 
   [[nodiscard]] const Point& place_m() const noexcept { return place_m_; }
 
@@ -81,7 +81,7 @@ class DraggedMass {
   void correct(double elapsed_s) noexcept;
   void remember(Nanoseconds now) noexcept;
 
-  local_model::Mass told_{};
+  local_model::Mass reported_{};
   Point back_ = Point::Zero();  // against which it comes back within its limit, 1 long along the push; or no push
   bool there_ = false;
   Point place_m_ = Point::Zero();

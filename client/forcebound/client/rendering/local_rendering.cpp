@@ -20,7 +20,7 @@ void LocalRendering::set_offer(const handover::Announcement& offer) noexcept {
   settle();
 }
 
-void LocalRendering::note_motion(Nanoseconds read_at) noexcept {
+void LocalRendering::start_scene_time(Nanoseconds read_at) noexcept {
   if (begins_) scene_.set_first_time(read_at);
   begins_ = false;
 }
@@ -34,12 +34,12 @@ void LocalRendering::settle() noexcept {
   if (pending_ && exchange_.begin(offer_)) pending_ = false;
 }
 
-void LocalRendering::take(const wire::ScenePiece& piece) noexcept {
+void LocalRendering::receive(const wire::ScenePiece& piece) noexcept {
   if (session_ == 0 || piece.session != session_ || pending_) return;
   ++pieces_received_;
   piece_bytes_ += piece.content.size();
   // What finds no room is not acknowledged, and comes again.
-  if (exchange_.put(piece.number, piece.content)) receipts_.note(piece.transmission);
+  if (exchange_.put(piece.number, piece.content)) receipts_.add(piece.transmission);
 }
 
 wire::PieceReceipt LocalRendering::receipt() const noexcept {

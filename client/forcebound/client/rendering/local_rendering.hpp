@@ -36,13 +36,13 @@ class LocalRendering {
 
   /// A motion that is sent was read then. The server's scene begins with the first of the session; one that runs here
   /// already goes on by its own time.
-  void note_motion(Nanoseconds read_at) noexcept;
+  void start_scene_time(Nanoseconds read_at) noexcept;
 
   /// The server ended the session: its scene does not run any more.
   void end() noexcept;
 
   /// A piece came; not of this session: passed over.
-  void take(const wire::ScenePiece& piece) noexcept;
+  void receive(const wire::ScenePiece& piece) noexcept;
 
   /// To be sent with the next motion.
   [[nodiscard]] wire::PieceReceipt receipt() const noexcept;

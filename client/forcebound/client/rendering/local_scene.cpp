@@ -53,7 +53,7 @@ bool LocalScene::begin(const Vector& position, const scene::Point& place_m,
 std::optional<Answer> LocalScene::answer(const Vector& position, Nanoseconds device_time,
                                          const wire::EnvironmentForce* newest, const control::Handle& handle) noexcept {
   const scene::Point place_m = translation_of(position);
-  exchange_.note_place(place_m);
+  exchange_.store_place(place_m);
   adopt();
   if (scene_ == nullptr) return std::nullopt;
   swapped_ = !active_;

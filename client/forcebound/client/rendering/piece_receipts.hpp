@@ -11,7 +11,7 @@ namespace forcebound::client {
 /// Real time: noexcept, no allocation.
 class PieceReceipts {
  public:
-  void note(std::uint64_t transmission) noexcept {
+  void add(std::uint64_t transmission) noexcept {
     if (transmission > newest_) {
       const std::uint64_t further = transmission - newest_;
       before_ = further >= 64 ? 0 : before_ << further;

@@ -24,9 +24,9 @@ RequestRendering::Request RequestRendering::render(const std::optional<wire::Env
   }
   request.remote_N = request.force_N;
   if (local_ != nullptr && tick.place.allFinite()) render_locally(newest, tick, request);
-  request.force_N = force_slew_.bound(request.force_N, tick.elapsed_s);
+  request.force_N = force_limiter_.limit(request.force_N, tick.elapsed_s);
   request.torque_N_m += tick.arm_m.cross(control::translation_of(request.force_N));
-  request.torque_N_m = control::translation_of(torque_slew_.bound(request.torque_N_m, tick.elapsed_s));
+  request.torque_N_m = control::translation_of(torque_limiter_.limit(request.torque_N_m, tick.elapsed_s));
   last_request_N_ = request.force_N;
   return request;
 }
@@ -76,12 +76,12 @@ void RequestRendering::swap_sources(Nanoseconds now, Request& request) noexcept 
     // said it last.
     Vector until_now_N = last_request_N_;
     if (!before) {
-      until_now_N = request.remote_N + swap_.left_N(request.remote_N.rows(), now);
+      until_now_N = request.remote_N + transfer_.left_N(request.remote_N.rows(), now);
       if (request.models.correction_N.rows() == until_now_N.rows()) until_now_N += request.models.correction_N;
     }
-    swap_.swap(until_now_N, request.force_N, now);
+    transfer_.begin(until_now_N, request.force_N, now);
   }
-  request.force_N += swap_.left_N(request.force_N.rows(), now);
+  request.force_N += transfer_.left_N(request.force_N.rows(), now);
 }
 
 }  // namespace forcebound::client

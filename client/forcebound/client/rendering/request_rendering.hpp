@@ -4,9 +4,9 @@
 #include <optional>
 
 #include "forcebound/client/rendering/answer_rendering.hpp"
+#include "forcebound/client/rendering/bumpless_transfer.hpp"
 #include "forcebound/client/rendering/local_rendering.hpp"
-#include "forcebound/client/rendering/slew_bound.hpp"
-#include "forcebound/client/rendering/swap_offset.hpp"
+#include "forcebound/client/rendering/rate_limiter.hpp"
 #include "forcebound/control/vector.hpp"
 #include "forcebound/time/clock.hpp"
 #include "forcebound/wire/messages.hpp"
@@ -18,15 +18,19 @@ namespace forcebound::client {
 ///
 ///     remote  share of the answer's force, with the ripples of its texture
 ///     local   the scene here, in place of that, + share of the rest + what local models change of it
-///             -> goes on where the one before ended (SwapOffset) -> slew bound
-///     torque  share of the answer's, + that of this force about the grip -> slew bound
+///             -> goes on where the one before ended (BumplessTransfer) -> rate limiter
+///     torque  share of the answer's, + that of this force about the grip -> rate limiter
 ///
 /// Real time: noexcept, no allocation. Owned by the tick.
 class RequestRendering {
  public:
   /// @param local null: all forces are the server's
-  RequestRendering(LocalRendering* local, const SlewBound::Limits& force, const SlewBound::Limits& torque) noexcept
-      : local_(local), force_N_max_(force.most), swap_(force.most), force_slew_(force), torque_slew_(torque) {}
+  RequestRendering(LocalRendering* local, const RateLimiter::Limits& force, const RateLimiter::Limits& torque) noexcept
+      : local_(local),
+        force_N_max_(force.most),
+        transfer_(force.most),
+        force_limiter_(force),
+        torque_limiter_(torque) {}
 
   struct Tick {
     Nanoseconds now{0};
@@ -55,8 +59,8 @@ class RequestRendering {
 
   /// The request was not asked for: the device has no force, from which the next request goes on.
   void rest() noexcept {
-    force_slew_.rest();
-    torque_slew_.rest();
+    force_limiter_.rest();
+    torque_limiter_.rest();
   }
 
   /// The server ended that session.
@@ -67,9 +71,9 @@ class RequestRendering {
 
   [[nodiscard]] const AnswerRendering& answers() const noexcept { return answers_; }
 
-  /// Ticks on which the slew bound limited the request, of its force and of its torque.
-  [[nodiscard]] std::uint64_t force_slew_bounded() const noexcept { return force_slew_.bounded(); }
-  [[nodiscard]] std::uint64_t torque_slew_bounded() const noexcept { return torque_slew_.bounded(); }
+  /// Ticks on which the rate limiter bounded the request, of its force and of its torque.
+  [[nodiscard]] std::uint64_t force_rate_limited() const noexcept { return force_limiter_.limited(); }
+  [[nodiscard]] std::uint64_t torque_rate_limited() const noexcept { return torque_limiter_.limited(); }
 
  private:
   void render_locally(const std::optional<wire::EnvironmentForce>& newest, const Tick& tick, Request& request) noexcept;
@@ -79,9 +83,9 @@ class RequestRendering {
   LocalRendering* local_;
   double force_N_max_;
   AnswerRendering answers_;
-  SwapOffset swap_;
-  SlewBound force_slew_;
-  SlewBound torque_slew_;
+  BumplessTransfer transfer_;
+  RateLimiter force_limiter_;
+  RateLimiter torque_limiter_;
   Vector last_request_N_{};
   bool local_before_ = false;  // whether the last force was of the scene at the client
 };

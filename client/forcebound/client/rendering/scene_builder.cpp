@@ -45,7 +45,7 @@ void SceneBuilder::count(Change change) {
   change(counts_);
 }
 
-void SceneBuilder::note_cache_problem() {
+void SceneBuilder::store_cache_problem() {
   count([this](HandoverCounts& counts) { counts.cache_problem = cache_.problem(); });
 }
 
@@ -57,7 +57,7 @@ std::size_t SceneBuilder::work(const std::stop_token& ended) {
     if (order->kind == BuildOrder::Kind::begin) {
       begin(*order, ended);
     } else {
-      take(*order);
+      add_piece(*order);
     }
   }
   return assembly_ && !ended.stop_requested() && worth_building() ? build(ended) : 0;
@@ -94,16 +94,16 @@ std::optional<handover::SceneAssembly> SceneBuilder::from_cache(const handover::
   // A file that was cut or changed shows by its hashes. What the server sends then takes its place.
   try {
     handover::SceneAssembly assembly(announcement, options_.registry, options_.limits);
-    assembly.take_content(*content);
+    assembly.add_content(*content);
     return assembly;
   } catch (const std::exception&) {
-    cache_.note_unused(announcement.hash);
-    note_cache_problem();
+    cache_.store_mismatch(announcement.hash);
+    store_cache_problem();
     return std::nullopt;
   }
 }
 
-void SceneBuilder::take(const BuildOrder& order) {
+void SceneBuilder::add_piece(const BuildOrder& order) {
   if (!assembly_ || order.generation != generation_) return;
   try {
     const std::size_t before = assembly_->pieces_here();
@@ -111,7 +111,7 @@ void SceneBuilder::take(const BuildOrder& order) {
       throw handover::HandoverError("piece " + std::to_string(order.number) + " is " + std::to_string(order.bytes) +
                                     " bytes long, more than " + std::to_string(order.content.size()));
     }
-    assembly_->take(order.number, std::span(order.content).first(order.bytes));
+    assembly_->add(order.number, std::span(order.content).first(order.bytes));
     if (assembly_->pieces_here() == before) return;
     count([&order](HandoverCounts& counts) {
       ++counts.pieces;
@@ -166,7 +166,7 @@ std::size_t SceneBuilder::build(const std::stop_token& ended) {
     if (!assembly_->whole()) return built;
     exchange_.set_phase(generation_, BuildPhase::whole);
     if (!std::exchange(stored_, true)) cache_.store(assembly_->announcement().hash, assembly_->content(), ended);
-    note_cache_problem();
+    store_cache_problem();
     return built;
   } catch (const std::exception& error) {
     if (!ended.stop_requested()) refuse(error.what());

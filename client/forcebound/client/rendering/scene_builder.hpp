@@ -56,7 +56,7 @@ class SceneBuilder {
 
  private:
   void begin(const BuildOrder& order, const std::stop_token& ended);
-  void take(const BuildOrder& order);
+  void add_piece(const BuildOrder& order);
   void refuse(const std::string& why);
   [[nodiscard]] std::optional<handover::SceneAssembly> from_cache(const handover::Announcement& announcement,
                                                                   const std::stop_token& ended);
@@ -65,7 +65,7 @@ class SceneBuilder {
   void show(std::shared_ptr<const scene::Scene> scene);
   template <class Change>
   void count(Change change);
-  void note_cache_problem();
+  void store_cache_problem();
 
   Options options_;
   SceneExchange& exchange_;

@@ -62,7 +62,7 @@ std::string SceneCache::file_of(const handover::Hash& hash) const {
   return (fs::path(folder_) / (handover::to_text(hash) + std::string(kEnding))).string();
 }
 
-void SceneCache::note(const std::string& problem) {
+void SceneCache::store_problem(const std::string& problem) {
   if (problem_.empty()) problem_ = problem;
 }
 
@@ -82,7 +82,7 @@ std::optional<std::vector<std::byte>> SceneCache::load(const handover::Hash& has
     done += static_cast<std::size_t>(in.gcount());
   }
   if (done == content.size()) return content;
-  note("scene cache: " + file + " cannot be read: " + reason());
+  store_problem("scene cache: " + file + " cannot be read: " + reason());
   return std::nullopt;
 }
 
@@ -97,12 +97,13 @@ void SceneCache::store(const handover::Hash& hash, const std::vector<std::byte>&
   const std::string successor = file + ".new-" + std::to_string(::getpid());
   ::unlink(successor.c_str());  // of a program of the same number that was killed
   if (write_new(successor, content) && ::rename(successor.c_str(), file.c_str()) == 0) return;
-  note("scene cache: " + text::printable(file) + ": cannot be written: " + reason());
+  store_problem("scene cache: " + text::printable(file) + ": cannot be written: " + reason());
   ::unlink(successor.c_str());
 }
 
-void SceneCache::note_unused(const handover::Hash& hash) {
-  note("scene cache: " + text::printable(file_of(hash)) + " is not what the server announces and was not used");
+void SceneCache::store_mismatch(const handover::Hash& hash) {
+  store_problem("scene cache: " + text::printable(file_of(hash)) +
+                " is not what the server announces and was not used");
 }
 
 void SceneCache::make_room_for(std::uintmax_t bytes, const std::stop_token& ended) {

@@ -32,7 +32,7 @@ class SceneCache {
   void store(const handover::Hash& hash, const std::vector<std::byte>& content, const std::stop_token& ended = {});
 
   /// It was not what the server announced. The file stays: it may be the announcement that is wrong.
-  void note_unused(const handover::Hash& hash);
+  void store_mismatch(const handover::Hash& hash);
 
   /// The first thing that went wrong, in one line; empty: nothing did.
   [[nodiscard]] const std::string& problem() const noexcept { return problem_; }
@@ -40,7 +40,7 @@ class SceneCache {
  private:
   [[nodiscard]] std::string file_of(const handover::Hash& hash) const;
   void make_room_for(std::uintmax_t bytes, const std::stop_token& ended);
-  void note(const std::string& problem);
+  void store_problem(const std::string& problem);
 
   std::string folder_;
   std::uintmax_t bytes_max_;

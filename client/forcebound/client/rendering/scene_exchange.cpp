@@ -67,7 +67,7 @@ BuildPhase SceneExchange::phase() const noexcept {
   return static_cast<BuildPhase>(word % kPhases);
 }
 
-void SceneExchange::note_place(const scene::Point& place_m) noexcept {
+void SceneExchange::store_place(const scene::Point& place_m) noexcept {
   for (std::size_t axis = 0; axis < 3; ++axis)
     place_m_[axis].store(place_m[static_cast<Eigen::Index>(axis)], std::memory_order_relaxed);
 }

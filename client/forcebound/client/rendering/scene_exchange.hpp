@@ -72,7 +72,7 @@ class SceneExchange {
   void give_back(BuiltScene* scene) noexcept;
 
   [[nodiscard]] BuildPhase phase() const noexcept;
-  void note_place(const scene::Point& place_m) noexcept;
+  void store_place(const scene::Point& place_m) noexcept;
 
   // The builder's side.
 

@@ -15,9 +15,9 @@ namespace forcebound::client {
 class SurfaceContact {
  public:
   /// Another answer tells of a surface, of the same one if it has the same id.
-  void take(const local_model::Surface& told, const DevicePoint& device, const ModelAge& age) noexcept;
+  void update(const local_model::Surface& told, const DevicePoint& device, const ModelAge& age) noexcept;
 
-  [[nodiscard]] bool is(std::uint32_t id) const noexcept { return there_ && told_.id == id; }
+  [[nodiscard]] bool is(std::uint32_t id) const noexcept { return there_ && reported_.id == id; }
 
   /// There is none in the newest answer.
   void forget() noexcept { *this = {}; }
@@ -33,11 +33,12 @@ class SurfaceContact {
 
   /// It does not move by itself, and nobody else moves it.
   [[nodiscard]] bool stands() const noexcept {
-    return !told_.others_move_it && told_.velocity_m_per_s.isZero(0) && told_.acceleration_m_per_s2.isZero(0);
+    return !reported_.others_move_it && reported_.velocity_m_per_s.isZero(0) &&
+           reported_.acceleration_m_per_s2.isZero(0);
   }
 
   /// What the held force has in its place.
-  [[nodiscard]] const Point& held_N() const noexcept { return told_.force_N; }
+  [[nodiscard]] const Point& held_N() const noexcept { return reported_.force_N; }
 
  private:
   void let_go() noexcept;
@@ -48,7 +49,7 @@ class SurfaceContact {
   [[nodiscard]] Point away_m(const DevicePoint& device, const ModelAge& age) const noexcept;
   [[nodiscard]] double depth_m(const DevicePoint& device, const ModelAge& age) const noexcept;
 
-  local_model::Surface told_{};
+  local_model::Surface reported_{};
   bool there_ = false;
   double relaxed_N_ = 0;  // g
   double depth_m_ = 0;    // on the last tick, >= 0

@@ -197,7 +197,7 @@ struct Client::Parts {
   std::shared_ptr<const scene::Scene> recorded_scene;
   std::optional<Session> session;
   record::RecordingWatch recording_watch;
-  std::string problem_told;
+  std::string problem_reported;
   std::vector<std::string> notes;
   Nanoseconds began{0};
   GrantText grant;
@@ -238,14 +238,14 @@ void Client::run(const std::atomic<bool>& stop, const Housekeeping& housekeeping
   }
   std::jthread tick([&loop] { loop.run(); });
   const EndOfLoop end{loop};
-  StuckLoop looks(kStuckLooks);
+  StuckLoop stuck_loop(kStuckLooks);
   while (!loop.done()) {
     std::this_thread::sleep_for(kHousekeeping);
     p.record_scene();
     if (p.writer) p.recorder.drain(*p.writer);
     const Nanoseconds now = p.clock.now();
     if (housekeeping) housekeeping(now, now - start);
-    const bool stuck = looks.note(loop.rounds());
+    const bool stuck = stuck_loop.update(loop.rounds());
     if (watchdog && (stuck || !p.device.crash().empty())) p.leave(loop, *watchdog, lost);
   }
   tick.join();
@@ -277,7 +277,7 @@ std::string Client::take_recording_fault() {
 std::string Client::take_server_news() {
   Parts& p = *parts_;
   if (const std::string found = p.link.take_news(); !found.empty()) {
-    note(found);
+    add_note(found);
     return found;
   }
   return p.encryption ? p.encryption->handshaker().take_news() : std::string();
@@ -286,14 +286,14 @@ std::string Client::take_server_news() {
 std::string Client::take_server_problem() {
   Parts& p = *parts_;
   std::string problem = p.server_problem();
-  if (problem == p.problem_told) return {};
-  p.problem_told = problem;
+  if (problem == p.problem_reported) return {};
+  p.problem_reported = problem;
   return problem;
 }
 
 std::string Client::server_in_words() const { return parts_->lookup.in_words(); }
 
-void Client::note(const std::string& line) {
+void Client::add_note(const std::string& line) {
   constexpr std::size_t kNotesMost = 100;
   Parts& p = *parts_;
   if (p.notes.size() == kNotesMost) return;

@@ -77,7 +77,7 @@ class Client {
 
   /// Connects and opens the recording; does not start the device yet. `device` and `sinks` must outlive it.
   /// @throws std::invalid_argument if the server is on another machine, and neither keys nor `insecure` are given;
-  /// std::exception with a message of one line: keys, recording, policy or what the controller refuses. A name without
+  /// std::exception with a message of one line: keys, recording, policy or what ForceBounder refuses. A name without
   /// an address is no reason: it may have one later.
   Client(const Settings& settings, device::HapticDevice& device, std::unique_ptr<control::PassivityLaw> law,
          std::vector<record::TickSink*> sinks = {});
@@ -109,7 +109,7 @@ class Client {
 
   /// Adds a line to what the summary and the recording say of the run, with its time since the start; after the first
   /// 100 they are passed over. For housekeeping.
-  void note(const std::string& line);
+  void add_note(const std::string& line);
 
   /// What has been handed over of the scene, to be looked at; null: nothing yet. Any thread but the tick's.
   [[nodiscard]] std::shared_ptr<const scene::Scene> scene_here() const;

@@ -12,7 +12,7 @@ class StuckLoop {
   explicit StuckLoop(int looks) : looks_(looks) {}
 
   /// @param rounds of the loop so far; 0: it has not begun @returns whether it is stuck
-  bool note(std::uint64_t rounds) noexcept {
+  bool update(std::uint64_t rounds) noexcept {
     without_progress_ = rounds == 0 || rounds != rounds_ ? 0 : without_progress_ + 1;
     rounds_ = rounds;
     return without_progress_ >= looks_;

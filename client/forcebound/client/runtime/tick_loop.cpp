@@ -27,7 +27,7 @@ void TickLoop::run() {
     ++rounds_;
     session_.tick(now);
     if (settings_.way != nullptr && session_.state() == SessionState::active) settings_.way->keep();
-    if (settings_.watchdog != nullptr) settings_.watchdog->note_tick(clock_.now());
+    if (settings_.watchdog != nullptr) settings_.watchdog->store_tick_time(clock_.now());
     if (++ticks == kSettlingTicks) allocations_at_start = time::heap_operations_of_this_thread();
   }
   if (ticks > kSettlingTicks) outcome_.allocations = time::heap_operations_of_this_thread() - allocations_at_start;

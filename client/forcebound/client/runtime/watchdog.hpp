@@ -21,7 +21,7 @@ class Watchdog {
   Watchdog(device::HapticDevice& device, const time::Clock& clock, time::Nanoseconds limit);
 
   /// A tick has run. Any thread; real time.
-  void note_tick(time::Nanoseconds now) noexcept { ticked_.store(now.count(), std::memory_order_relaxed); }
+  void store_tick_time(time::Nanoseconds now) noexcept { ticked_.store(now.count(), std::memory_order_relaxed); }
 
   /// There will be no more ticks.
   void rest() noexcept { ticked_.store(0, std::memory_order_relaxed); }

@@ -17,14 +17,14 @@ constexpr Nanoseconds kTryPause = std::chrono::milliseconds{20};
 constexpr Nanoseconds kKeyPause = std::chrono::seconds{1};
 // A server that knows the shared key has answered by then, over most networks.
 constexpr Nanoseconds kAnswerExpected = std::chrono::seconds{3};
-constexpr std::size_t kHeardMost = 64;
-constexpr std::size_t kSaidMost = 4;
+constexpr std::size_t kReceivedMost = 64;
+constexpr std::size_t kOutgoingMost = 4;
 
 }  // namespace
 
 struct Handshaker::Queues {
-  boost::lockfree::spsc_queue<Heard> heard{kHeardMost};
-  boost::lockfree::spsc_queue<Said> said{kSaidMost};
+  boost::lockfree::spsc_queue<Incoming> incoming{kReceivedMost};
+  boost::lockfree::spsc_queue<Outgoing> outgoing{kOutgoingMost};
 };
 
 Handshaker::Handshaker(Identity identity, FillRandom random)
@@ -46,21 +46,21 @@ void Handshaker::want(Wanted what, std::uint8_t handshake) noexcept {
   wanted_.store(what, std::memory_order_release);
 }
 
-bool Handshaker::hear(std::span<const std::byte> datagram) noexcept {
-  Heard heard;
-  if (datagram.size() > heard.bytes.size()) return false;
+bool Handshaker::receive(std::span<const std::byte> datagram) noexcept {
+  Incoming incoming;
+  if (datagram.size() > incoming.bytes.size()) return false;
   const auto read = security::read_handshake(datagram);
   const security::HandshakeTopic* topic = nullptr;
   if (const auto* offer = std::get_if<security::CookieOffer>(&read)) topic = &offer->topic;
   if (const auto* answer = std::get_if<security::HandshakeAnswer>(&read)) topic = &answer->topic;
   const std::uint32_t awaited = awaited_.load(std::memory_order_relaxed);
   if (topic == nullptr || awaited == 0 || topic->client != awaited) return false;
-  std::ranges::copy(datagram, heard.bytes.begin());
-  heard.length = datagram.size();
-  return queues_->heard.push(heard);
+  std::ranges::copy(datagram, incoming.bytes.begin());
+  incoming.length = datagram.size();
+  return queues_->incoming.push(incoming);
 }
 
-bool Handshaker::take(Said& said) noexcept { return queues_->said.pop(said); }
+bool Handshaker::take(Outgoing& outgoing) noexcept { return queues_->outgoing.pop(outgoing); }
 
 std::optional<Handshaker::Made> Handshaker::made() const noexcept {
   if (!made_ready_.load(std::memory_order_acquire)) return std::nullopt;
@@ -77,14 +77,14 @@ void Handshaker::work(Nanoseconds now) {
   if (made_ready_.load(std::memory_order_acquire)) return;
   const Wanted wanted = wanted_.load(std::memory_order_acquire);
   if (wanted != task_) begin(wanted, now);
-  Heard heard;
-  while (queues_->heard.pop(heard)) {
-    if (task_ != Wanted::nothing) on_heard(std::span(heard.bytes).first(heard.length), now);
+  Incoming incoming;
+  while (queues_->incoming.pop(incoming)) {
+    if (task_ != Wanted::nothing) on_received(std::span(incoming.bytes).first(incoming.length), now);
   }
   if (task_ == Wanted::nothing) return;
   if (now - begun_ >= kRequestKept) begin(task_, now);
   if (now >= next_try_) try_an_offer(now);
-  if (now >= next_said_) say(now);
+  if (now >= next_sent_) say(now);
 }
 
 void Handshaker::begin(Wanted what, Nanoseconds now) {
@@ -92,7 +92,7 @@ void Handshaker::begin(Wanted what, Nanoseconds now) {
   task_ = what;
   if (what == Wanted::nothing) return;
   begun_ = now;
-  next_said_ = now;
+  next_sent_ = now;
   pause_ = kPauseLeast;
   topic_.pattern = identity_.pattern;
   if (what == Wanted::next_key) {
@@ -142,24 +142,24 @@ void Handshaker::write_message() {
 }
 
 void Handshaker::say(Nanoseconds now) {
-  Said said;
+  Outgoing outgoing;
   const std::array<std::byte, security::kSealedRequestBytesMost> none{};
   const std::size_t bytes = security::Handshake::overhead(topic_.pattern, 0);
   security::HandshakeRequest request{
       .topic = topic_,
       .cookie = cookie_,
       .message = std::span<const std::byte>(message_bytes_ > 0 ? message_ : none).first(bytes)};
-  said.sealed = task_ == Wanted::next_key;
-  if (!said.sealed && message_bytes_ > 0) request.proofs = proof_keys_.of(security::digest_of(request));
-  const std::size_t length = security::write(request, said.bytes);
-  said.length = said.sealed ? length : security::kRequestBytes;
-  if (!queues_->said.push(said)) return;  // the tick rests: later
-  next_said_ = now + pause_;
+  outgoing.sealed = task_ == Wanted::next_key;
+  if (!outgoing.sealed && message_bytes_ > 0) request.proofs = proof_keys_.of(security::digest_of(request));
+  const std::size_t length = security::write(request, outgoing.bytes);
+  outgoing.length = outgoing.sealed ? length : security::kRequestBytes;
+  if (!queues_->outgoing.push(outgoing)) return;  // the tick rests: later
+  next_sent_ = now + pause_;
   pause_ = std::min(2 * pause_, kPauseMost);
-  note_silence(now);
+  set_problem_if_silent(now);
 }
 
-void Handshaker::on_heard(std::span<const std::byte> datagram, Nanoseconds now) {
+void Handshaker::on_received(std::span<const std::byte> datagram, Nanoseconds now) {
   const auto read = security::read_handshake(datagram);
   if (const auto* offer = std::get_if<security::CookieOffer>(&read)) on_offer(*offer);
   if (const auto* answer = std::get_if<security::HandshakeAnswer>(&read)) on_answer(*answer, now);
@@ -202,7 +202,7 @@ void Handshaker::try_an_offer(Nanoseconds now) {
   }
   offers_.clear();  // the server offers its own again
   if (message_bytes_ == 0) write_message();
-  next_said_ = now;
+  next_sent_ = now;
   next_try_ = now + kTryPause;
   pause_ = kPauseLeast;
 }
@@ -261,7 +261,7 @@ void Handshaker::on_answer(const security::HandshakeAnswer& answer, Nanoseconds 
   message_bytes_ = 0;
   cookie_ = {};
   offers_.clear();
-  next_said_ = next_try_ = now + kPauseMost;
+  next_sent_ = next_try_ = now + kPauseMost;
 }
 
 void Handshaker::on_admitted(const security::Admission& admission) {
@@ -299,7 +299,7 @@ void Handshaker::on_admitted(const security::Admission& admission) {
 }
 
 /// What it may mean that a request was not answered.
-void Handshaker::note_silence(Nanoseconds now) {
+void Handshaker::set_problem_if_silent(Nanoseconds now) {
   if (task_ != Wanted::session || message_bytes_ == 0 || now - begun_ < kAnswerExpected) return;
   const std::scoped_lock lock(texts_);
   if (!problem_.empty()) return;

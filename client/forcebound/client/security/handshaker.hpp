@@ -80,16 +80,16 @@ class Handshaker {
   void want(Wanted what, std::uint8_t handshake) noexcept;
 
   /// A datagram that `is_handshake`, or the content of a sealed one that is. False: not awaited, or no room.
-  bool hear(std::span<const std::byte> datagram) noexcept;
+  bool receive(std::span<const std::byte> datagram) noexcept;
 
   /// A datagram to send.
-  struct Said {
+  struct Outgoing {
     std::array<std::byte, security::kRequestBytes> bytes{};
     std::size_t length = 0;
     bool sealed = false;  ///< as the content of a sealed datagram
   };
   /// Takes the oldest that waits, if any.
-  [[nodiscard]] bool take(Said& said) noexcept;
+  [[nodiscard]] bool take(Outgoing& outgoing) noexcept;
 
   /// Keys that came out of a handshake; they are wiped by `keys_taken`.
   struct Made {
@@ -104,7 +104,7 @@ class Handshaker {
   void keys_taken() noexcept;
 
  private:
-  struct Heard {
+  struct Incoming {
     std::array<std::byte, security::kAnswerBytesMost> bytes{};
     std::size_t length = 0;
   };
@@ -122,14 +122,14 @@ class Handshaker {
   void end() noexcept;
   void write_message();
   void say(Nanoseconds now);
-  void on_heard(std::span<const std::byte> datagram, Nanoseconds now);
+  void on_received(std::span<const std::byte> datagram, Nanoseconds now);
   void on_offer(const security::CookieOffer& offer);
   void try_an_offer(Nanoseconds now);
   void on_answer(const security::HandshakeAnswer& answer, Nanoseconds now);
   void on_admitted(const security::Admission& admission);
   [[nodiscard]] std::size_t below(std::size_t end);
   [[nodiscard]] std::optional<security::PublicKey> key_to_expect(const security::PublicKey& offered);
-  void note_silence(Nanoseconds now);
+  void set_problem_if_silent(Nanoseconds now);
   void set_problem(std::string text);
 
   Identity identity_;
@@ -147,7 +147,7 @@ class Handshaker {
   std::uint32_t session_client_ = 0;  ///< numbers of the session that there is
   std::uint32_t session_server_ = 0;
   Nanoseconds begun_{0};
-  Nanoseconds next_said_{0};
+  Nanoseconds next_sent_{0};
   Nanoseconds pause_{0};
   std::vector<Offer> offers_;
   Nanoseconds next_try_{Nanoseconds::min()};

@@ -19,14 +19,14 @@ bool SecureLink::send(std::span<const std::byte> datagram, const net::Address& /
 
 std::span<const std::byte> SecureLink::seal(std::span<const std::byte> content) noexcept {
   const Nanoseconds now = clock_.now();
-  const auto sealed = seal_unnoted(content, now);
+  const auto sealed = seal_unanswered(content, now);
   if (sealed.empty()) return sealed;
   if (unanswered_ == 0) unanswered_since_ = now;
   unanswered_ = std::min(unanswered_ + 1, kUnansweredLeast);
   return sealed;
 }
 
-std::span<const std::byte> SecureLink::seal_unnoted(std::span<const std::byte> content, Nanoseconds now) noexcept {
+std::span<const std::byte> SecureLink::seal_unanswered(std::span<const std::byte> content, Nanoseconds now) noexcept {
   return std::span(sealed_).first(newest().seal(content, sealed_, now).value_or(0));
 }
 
@@ -49,7 +49,7 @@ std::optional<net::Received> SecureLink::receive(std::span<std::byte> buffer) no
 
 std::optional<std::size_t> SecureLink::open(std::span<const std::byte> datagram, std::span<std::byte> buffer) noexcept {
   if (security::is_handshake(datagram)) {
-    counters_.handshakes_dropped += !handshaker_.hear(datagram);
+    counters_.handshakes_dropped += !handshaker_.receive(datagram);
     return std::nullopt;
   }
   if (!security::is_record(datagram)) {
@@ -68,7 +68,7 @@ std::optional<std::size_t> SecureLink::open(std::span<const std::byte> datagram,
   }
   const auto content = buffer.first(opened.bytes);
   if (!security::is_handshake(content)) return opened.bytes;
-  if (is_newest) (void)handshaker_.hear(content);
+  if (is_newest) (void)handshaker_.receive(content);
   return std::nullopt;
 }
 
@@ -76,17 +76,17 @@ void SecureLink::exchange() noexcept {
   const Nanoseconds now = clock_.now();
   for (security::Channel& channel : channels_) channel.wipe_expired(now);
   const auto made = handshaker_.made();
-  if (made) take_keys(*made, now);
+  if (made) install_keys(*made, now);
   handshaker_.want(wanted(now), newest().handshake());
   if (made) handshaker_.keys_taken();
-  while (handshaker_.take(said_)) {
-    const auto bytes = std::span<const std::byte>(said_.bytes).first(said_.length);
-    const auto datagram = said_.sealed ? seal_unnoted(bytes, now) : bytes;
+  while (handshaker_.take(outgoing_)) {
+    const auto bytes = std::span<const std::byte>(outgoing_.bytes).first(outgoing_.length);
+    const auto datagram = outgoing_.sealed ? seal_unanswered(bytes, now) : bytes;
     if (!datagram.empty()) (void)link_.send(datagram, server_);
   }
 }
 
-void SecureLink::take_keys(const Handshaker::Made& made, Nanoseconds now) noexcept {
+void SecureLink::install_keys(const Handshaker::Made& made, Nanoseconds now) noexcept {
   if (made.of_new_session) {
     newest().end_by(now + security::kOldKeyKept);
     newest_ = 1 - newest_;

@@ -71,8 +71,9 @@ class SecureLink final : public net::DatagramLink {
   static constexpr int kForgedCost = 7;
 
   /// `seal` of what need not be answered.
-  [[nodiscard]] std::span<const std::byte> seal_unnoted(std::span<const std::byte> content, Nanoseconds now) noexcept;
-  void take_keys(const Handshaker::Made& made, Nanoseconds now) noexcept;
+  [[nodiscard]] std::span<const std::byte> seal_unanswered(std::span<const std::byte> content,
+                                                           Nanoseconds now) noexcept;
+  void install_keys(const Handshaker::Made& made, Nanoseconds now) noexcept;
   [[nodiscard]] Handshaker::Wanted wanted(Nanoseconds now) const noexcept;
   [[nodiscard]] bool is_unanswered(Nanoseconds now) const noexcept;
   [[nodiscard]] security::Channel& newest() noexcept { return channels_[newest_]; }
@@ -89,7 +90,7 @@ class SecureLink final : public net::DatagramLink {
   bool any_opened_ = false;
   int unanswered_ = 0;               ///< datagrams sent since one was opened, up to kUnansweredLeast
   Nanoseconds unanswered_since_{0};  ///< when the first of them was sent
-  Handshaker::Said said_{};
+  Handshaker::Outgoing outgoing_{};
   std::array<std::byte, net::kDatagramBytesMax> sealed_{};
   std::array<std::byte, net::kDatagramBytesMax + 1> received_{};  // one more, so that an oversize datagram shows
   Counters counters_;

@@ -37,7 +37,7 @@ Actuation::Actuation(device::HapticDevice& device, std::unique_ptr<control::Pass
     : device_(device),
       clock_(clock),
       events_(events),
-      controller_(device.facts(), std::move(law)),
+      bounder_(device.facts(), std::move(law)),
       times_(device),
       safety_(device.safety(), device.facts().force_N_max, device.facts().torque_N_m_max),
       unseen_(device.facts(), safety_.limits()),
@@ -88,7 +88,7 @@ Actuation::Command Actuation::command(Nanoseconds now, const device::Reading& re
   const Vector force = chosen(reading, command, wanted.silent);
   const Nanoseconds commanded = clock_.now();
   command.latency = commanded - reading.latched;
-  last_applied_ = controller_.confirmed(force, times_.command_at(reading, commanded));
+  last_applied_ = bounder_.confirmed(force, times_.command_at(reading, commanded));
   FORCEBOUND_ASSERT(last_applied_.rows() == device_.facts().degrees_of_freedom() && last_applied_.allFinite(),
                     "a force on its way to the device is finite, with a row for each degree of freedom");
   device_.apply(commanded, last_applied_);
@@ -124,9 +124,9 @@ Vector Actuation::chosen(const device::Reading& reading, const Command& command,
   const control::Motion motion = times_.motion_at(reading);
   counts_.released_by_device += motion.held_s < motion.interval_s;
   counts_.held_too_long += !facts.releases && motion.interval_s - motion.latency_s > facts.hold_s_max;
-  if (silent) return controller_.release(motion);
+  if (silent) return bounder_.release(motion);
   const Eigen::Vector3d torque_N_m = control::translation_of(command.request_torque_N_m);
-  return controller_.tick(motion, control::wrench_of(command.request_N, torque_N_m, facts.rotations));
+  return bounder_.tick(motion, control::wrench_of(command.request_N, torque_N_m, facts.rotations));
 }
 
 void Actuation::add_to(record::RunTotals& totals) const {
@@ -142,7 +142,7 @@ void Actuation::add_to(record::RunTotals& totals) const {
   if (!device_.last_error().empty()) {
     totals.notes.push_back(device_.facts().name + ": " + std::string(device_.last_error()));
   }
-  const control::PassivityController::Counts& law = controller_.counts();
+  const control::ForceBounder::Counts& law = bounder_.counts();
   totals.non_finite_requests = law.requests_not_finite;
   totals.impossible_intervals = law.intervals_impossible;
   totals.withdrawn_forces = law.withdrawn;

@@ -9,7 +9,7 @@
 #include "forcebound/client/session/hand_safety.hpp"
 #include "forcebound/client/session/unseen_energy.hpp"
 #include "forcebound/control/audit.hpp"
-#include "forcebound/control/passivity_controller.hpp"
+#include "forcebound/control/force_bounder.hpp"
 #include "forcebound/device/command_times.hpp"
 #include "forcebound/device/haptic_device.hpp"
 #include "forcebound/record/run_info.hpp"
@@ -18,7 +18,7 @@
 namespace forcebound::client {
 
 /// The stage of a Session at the device: reads it, and commands what the limits for the hand (HandSafety) and the law
-/// (PassivityController) leave of the force that is asked for.
+/// (ForceBounder) leave of the force that is asked for.
 ///
 /// On each tick, in this order: `read`, `begin_choosing`, `command`. Reports a device that is gone or back, that shows
 /// no torque though its handle turns, and limits for the hand that begin to act.
@@ -30,7 +30,7 @@ namespace forcebound::client {
 class Actuation {
  public:
   /// @param device, @param clock and @param events must outlive this
-  /// @throws std::invalid_argument if PassivityController refuses the device or law
+  /// @throws std::invalid_argument if ForceBounder refuses the device or law
   Actuation(device::HapticDevice& device, std::unique_ptr<control::PassivityLaw> law, const time::Clock& clock,
             EventReporter& events);
 
@@ -67,11 +67,11 @@ class Actuation {
   void stop(Nanoseconds now) noexcept { device_.stop(now); }
 
   /// What the server-side law said with the newest force, ahead of the tick that uses that force.
-  void receive(const control::ServerLawNumbers& numbers) noexcept { controller_.hear(numbers); }
+  void receive(const control::ServerLawNumbers& numbers) noexcept { bounder_.receive(numbers); }
   /// From now on another server answers, or the same one after a restart.
-  void begin_server_side() noexcept { controller_.begin_server_side(); }
+  void begin_server_side() noexcept { bounder_.begin_server_side(); }
 
-  [[nodiscard]] const control::PassivityLaw& law() const noexcept { return controller_.law(); }
+  [[nodiscard]] const control::PassivityLaw& law() const noexcept { return bounder_.law(); }
 
   /// Adds counts of the device, the law and the limits for the hand.
   void add_to(record::RunTotals& totals) const;
@@ -93,7 +93,7 @@ class Actuation {
   device::HapticDevice& device_;
   const time::Clock& clock_;
   EventReporter& events_;
-  control::PassivityController controller_;
+  control::ForceBounder bounder_;
   device::CommandTimes times_;
   DeviceWatch watch_;
   HandSafety safety_;

@@ -36,7 +36,7 @@ class ClockOffset {
   };
 
   /// An answer came. What it says may be anything.
-  void note(const Exchange& answer) noexcept {
+  void update(const Exchange& answer) noexcept {
     if (!is_within_reach(answer)) return;
     const Nanoseconds least = answer.answered - answer.arrived;
     const Nanoseconds most = answer.received - answer.read;
@@ -47,7 +47,7 @@ class ClockOffset {
     const bool begins = !known_ || from > to;
     least_ = begins ? least : from;
     most_ = begins ? most : to;
-    noted_ = known_ ? std::max(noted_, answer.arrived) : answer.arrived;
+    updated_ = known_ ? std::max(updated_, answer.arrived) : answer.arrived;
     known_ = true;
   }
 
@@ -81,12 +81,12 @@ class ClockOffset {
   }
 
   [[nodiscard]] Nanoseconds drift_since(Nanoseconds now) const noexcept {
-    return known_ && now > noted_ ? (now - noted_) / 1'000'000 * kDrift_ppm : Nanoseconds::zero();
+    return known_ && now > updated_ ? (now - updated_) / 1'000'000 * kDrift_ppm : Nanoseconds::zero();
   }
 
   Nanoseconds least_{0};
   Nanoseconds most_{0};
-  Nanoseconds noted_{0};  // when the newest answer came
+  Nanoseconds updated_{0};  // when the newest answer came
   bool known_ = false;
 };
 

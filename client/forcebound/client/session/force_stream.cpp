@@ -57,7 +57,7 @@ void ForceStream::begin_session(std::uint64_t session) noexcept {
   lateness_ = Nanoseconds::zero();
 }
 
-std::uint64_t ForceStream::note_sent(Nanoseconds reading_time) noexcept {
+std::uint64_t ForceStream::count_sent(Nanoseconds reading_time) noexcept {
   ++sequence_;
   sent_[sequence_ % kSentRing] = {sequence_, reading_time, sent_here_};
   ++sent_here_;
@@ -80,18 +80,18 @@ ForceStream::Verdict ForceStream::accept(const wire::EnvironmentForce& force, Na
     ++ended_.implausible;
     return Verdict::implausible;
   }
-  if (arrivals_.note(force.sequence) == time::SequenceWindow::Arrival::duplicate) {
+  if (arrivals_.add(force.sequence) == time::SequenceWindow::Arrival::duplicate) {
     ++ended_.duplicated;
     return Verdict::duplicate;
   }
   ++received_;
   settled_ = std::max(settled_, force.motion_sequence);
   round_trip_ = std::max(round_trip_, arrival - motion.time);
-  note_server_counts({.session = force.session,
-                      .motions_received = force.motions_received,
-                      .motions_duplicated = force.motions_duplicated,
-                      .motions_reordered = force.motions_reordered,
-                      .forces_sent = force.sequence});
+  store_server_counts({.session = force.session,
+                       .motions_received = force.motions_received,
+                       .motions_duplicated = force.motions_duplicated,
+                       .motions_reordered = force.motions_reordered,
+                       .forces_sent = force.sequence});
   if (newest_ && newest_->motion_sequence >= force.motion_sequence) {
     ++ended_.reordered;
     return Verdict::reordered;
@@ -105,7 +105,7 @@ bool ForceStream::accept(const wire::Bye& bye) noexcept {
   if (session_ == 0 || bye.session != session_) return false;
   if (can_count(bye.motions_received, bye.forces_sent) && bye.motions_behind < sequence_ - earlier_) {
     const bool later = bye.motions_behind > server_.motions_behind;
-    note_server_counts(bye);
+    store_server_counts(bye);
     if (later) lateness_ = std::max(lateness_, longest_time_between(bye.motions_behind));
   } else {
     ++ended_.implausible;
@@ -113,7 +113,7 @@ bool ForceStream::accept(const wire::Bye& bye) noexcept {
   return true;
 }
 
-void ForceStream::note_server_counts(const wire::Bye& counts) noexcept {
+void ForceStream::store_server_counts(const wire::Bye& counts) noexcept {
   // Cumulative, so that it does not matter which of them are lost: the largest is the latest.
   server_.motions_received = std::max(server_.motions_received, counts.motions_received);
   server_.motions_duplicated = std::max(server_.motions_duplicated, counts.motions_duplicated);

@@ -53,10 +53,10 @@ class ForceStream {
   void begin_session(std::uint64_t session) noexcept;
 
   /// The number of the motion that is sent now, 1, 2, 3, ...
-  std::uint64_t note_sent(Nanoseconds reading_time) noexcept;
+  std::uint64_t count_sent(Nanoseconds reading_time) noexcept;
 
   /// The send failed: the motion was never sent, so it is not lost.
-  void note_not_sent() noexcept { --sent_here_; }
+  void uncount_sent() noexcept { --sent_here_; }
 
   /// @param arrival by the clock of the reading times
   Verdict accept(const wire::EnvironmentForce& force, Nanoseconds arrival) noexcept;
@@ -97,7 +97,7 @@ class ForceStream {
   [[nodiscard]] std::uint64_t in_flight(Nanoseconds now) const noexcept;
   [[nodiscard]] std::uint64_t oldest_known() const noexcept;
   [[nodiscard]] Nanoseconds longest_time_between(std::uint64_t motions) const noexcept;
-  void note_server_counts(const wire::Bye& counts) noexcept;
+  void store_server_counts(const wire::Bye& counts) noexcept;
 
   /// Whether the server's counts are possible: more motions than were sent, or more answers than motions, would corrupt
   /// the counts of losses.

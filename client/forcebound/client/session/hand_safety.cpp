@@ -27,8 +27,8 @@ double share_of_newest(double elapsed_s, double mean_s) noexcept { return 1 - st
 Vector HandSafety::limited(const Vector& wanted_N, const Tick& tick) noexcept {
   const double elapsed_s = std::max(0.0, tick.elapsed_s);
   share_ = 0;
-  bool heated = note_heat(force_load_, tick.applied_N.norm(), limits_.rms_force_N_max, tick.elapsed_s);
-  heated |= note_heat(torque_load_, tick.applied_N_m.norm(), limits_.rms_torque_N_m_max, tick.elapsed_s);
+  bool heated = update_load(force_load_, tick.applied_N.norm(), limits_.rms_force_N_max, tick.elapsed_s);
+  heated |= update_load(torque_load_, tick.applied_N_m.norm(), limits_.rms_torque_N_m_max, tick.elapsed_s);
   if (heated) begin(Trip::heat);
   const double since_reading_s = missing_s_ + elapsed_s;
   // As long without a tick as without a reading: the device has let go of the force meanwhile.
@@ -41,8 +41,8 @@ Vector HandSafety::limited(const Vector& wanted_N, const Tick& tick) noexcept {
     return Vector::Zero(wanted_N.rows());
   }
   missing_s_ = 0;
-  note_speeds(tick, since_reading_s);
-  note_button(tick);
+  update_speeds(tick, since_reading_s);
+  update_button(tick);
   if (tick.frozen && !frozen_) begin(Trip::frozen);
   frozen_ = tick.frozen;
   if (speed_.too_fast || turn_.too_fast || let_go_ || frozen_) {
@@ -65,18 +65,18 @@ Eigen::Vector3d HandSafety::limited_torque(const Eigen::Vector3d& wanted_N_m) co
   return local_model::no_longer_than<Eigen::Vector3d>(share_ * wanted_N_m, most_N_m);
 }
 
-void HandSafety::note_speeds(const Tick& tick, double elapsed_s) noexcept {
+void HandSafety::update_speeds(const Tick& tick, double elapsed_s) noexcept {
   const bool moves = speed_.most_per_s > 0 && last_position_;
-  if (moves && note_speed(speed_, (tick.position - *last_position_).norm(), elapsed_s)) begin(Trip::speed);
+  if (moves && update_speed(speed_, (tick.position - *last_position_).norm(), elapsed_s)) begin(Trip::speed);
   last_position_ = tick.position;
   std::optional<Eigen::Quaterniond> orientation;
   if (tick.handle.orientation) orientation = control::quaternion_of(*tick.handle.orientation);
   const bool turns = turn_.most_per_s > 0 && last_orientation_ && orientation;
-  if (turns && note_speed(turn_, last_orientation_->angularDistance(*orientation), elapsed_s)) begin(Trip::turn);
+  if (turns && update_speed(turn_, last_orientation_->angularDistance(*orientation), elapsed_s)) begin(Trip::turn);
   last_orientation_ = orientation;
 }
 
-bool HandSafety::note_speed(Speed& speed, double way, double elapsed_s) noexcept {
+bool HandSafety::update_speed(Speed& speed, double way, double elapsed_s) noexcept {
   if (!(elapsed_s > 0)) return false;
   speed.mean_per_s += share_of_newest(elapsed_s, kSpeedMean_s) * (way / elapsed_s - speed.mean_per_s);
   if (speed.mean_per_s > speed.most_per_s) return !std::exchange(speed.too_fast, true);
@@ -91,14 +91,14 @@ void HandSafety::forget_speeds() noexcept {
   for (Speed* const speed : {&speed_, &turn_}) speed->mean_per_s = speed->too_fast ? speed->most_per_s : 0;
 }
 
-void HandSafety::note_button(const Tick& tick) noexcept {
+void HandSafety::update_button(const Tick& tick) noexcept {
   if (!limits_.dead_man_button) return;
   const bool up = !tick.handle.pressed(*limits_.dead_man_button);
   if (up && !let_go_) begin(Trip::dead_man);
   let_go_ = up;
 }
 
-bool HandSafety::note_heat(Load& load, double applied, double most, double elapsed_s) const noexcept {
+bool HandSafety::update_load(Load& load, double applied, double most, double elapsed_s) const noexcept {
   if (!(most > 0) || !(elapsed_s > 0) || !std::isfinite(applied)) return false;
   bool heated = false;
   load.mean_square += share_of_newest(elapsed_s, limits_.rms_s) * (applied * applied - load.mean_square);

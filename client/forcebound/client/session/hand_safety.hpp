@@ -78,9 +78,9 @@ class HandSafety {
     double mean_per_s = 0;
     bool too_fast = false;
   };
-  void note_speeds(const Tick& tick, double elapsed_s) noexcept;
+  void update_speeds(const Tick& tick, double elapsed_s) noexcept;
   /// @param speed that has a limit @returns whether it has become too fast just now
-  [[nodiscard]] static bool note_speed(Speed& speed, double way, double elapsed_s) noexcept;
+  [[nodiscard]] static bool update_speed(Speed& speed, double way, double elapsed_s) noexcept;
   void forget_speeds() noexcept;
   /// The load of motors, by their force or torque, and the cap that it makes.
   struct Load {
@@ -89,8 +89,8 @@ class HandSafety {
     double cap = std::numeric_limits<double>::infinity();
   };
   /// @param most of the root mean square @returns whether it has become too hot just now
-  [[nodiscard]] bool note_heat(Load& load, double applied, double most, double elapsed_s) const noexcept;
-  void note_button(const Tick& tick) noexcept;
+  [[nodiscard]] bool update_load(Load& load, double applied, double most, double elapsed_s) const noexcept;
+  void update_button(const Tick& tick) noexcept;
   [[nodiscard]] double fade(const Vector& position) noexcept;
   void begin(Trip which) noexcept;
 

@@ -24,12 +24,12 @@ void Renderer::begin_session(const wire::Welcome& welcome) noexcept {
 }
 
 void Renderer::receive(const wire::ScenePiece& piece) noexcept {
-  if (local_ != nullptr) local_->take(piece);
+  if (local_ != nullptr) local_->receive(piece);
 }
 
 wire::PieceReceipt Renderer::begin_motion(Nanoseconds read_at) noexcept {
   if (local_ == nullptr) return {};
-  local_->note_motion(read_at);
+  local_->start_scene_time(read_at);
   return local_->receipt();
 }
 
@@ -122,8 +122,8 @@ void Renderer::report_policy(ForcePolicy policy, Nanoseconds age, Nanoseconds no
 }
 
 void Renderer::add_to(record::RunTotals& totals) const {
-  totals.slew_bounded = rendering_.force_slew_bounded();
-  totals.torque_slew_bounded = rendering_.torque_slew_bounded();
+  totals.slew_bounded = rendering_.force_rate_limited();
+  totals.torque_slew_bounded = rendering_.torque_rate_limited();
   totals.models_refused = rendering_.answers().refused();
   if (local_ == nullptr) return;
   const HandoverCounts scenes = local_->builder().counts();

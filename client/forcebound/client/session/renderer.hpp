@@ -28,8 +28,8 @@ class Renderer {
   struct Options {
     LocalRendering* local = nullptr;  ///< null: all forces are the server's
     LateForcePolicy policy{};
-    SlewBound::Limits force{};
-    SlewBound::Limits torque{};
+    RateLimiter::Limits force{};
+    RateLimiter::Limits torque{};
   };
 
   /// @param events must outlive this
@@ -70,7 +70,7 @@ class Renderer {
 
   [[nodiscard]] Rendered render(const Tick& tick) noexcept;
 
-  /// Adds counts of slew bounds, local models and scenes. May wait for the builder of scenes.
+  /// Adds counts of rate limiters, local models and scenes. May wait for the builder of scenes.
   void add_to(record::RunTotals& totals) const;
 
  private:

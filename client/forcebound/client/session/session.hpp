@@ -27,7 +27,7 @@ using time::Nanoseconds;
 ///     Actuation        read the device
 ///     SessionLink      send the motion, receive what has arrived
 ///     Renderer         newest force -> late-force policy -> scene and local models at the client in its place
-///     Actuation        limits for the hand (HandSafety) -> saturate, bound, round (PassivityController) -> apply
+///     Actuation        limits for the hand (HandSafety) -> saturate, bound, round (ForceBounder) -> apply
 ///     SessionRecorder  record the tick
 ///
 /// Each stage owns its state and its counts; what one gives, Session passes to the next.
@@ -66,7 +66,7 @@ class Session {
     ViewSink* view = nullptr;  ///< null: what can be seen of the scene is not asked for
   };
 
-  /// @throws std::invalid_argument for a policy with hold > drop, if the controller refuses the device or law, or for a
+  /// @throws std::invalid_argument for a policy with hold > drop, if ForceBounder refuses the device or law, or for a
   /// rate of motions below that of the ticks with a law that exchanges numbers with a server-side law on each.
   Session(const Options& options, device::HapticDevice& device, std::unique_ptr<control::PassivityLaw> law,
           net::DatagramLink& link, const time::Clock& clock, Sinks sinks);

@@ -44,12 +44,12 @@ bool SessionLink::is_motion_due(const device::Reading& reading, const Vector& pl
 std::uint64_t SessionLink::send(wire::MotionSample motion) noexcept {
   buttons_sent_ = motion.handle.buttons;
   motion.session = connection_.session();
-  motion.sequence = forces_.note_sent(motion.device_time);
+  motion.sequence = forces_.count_sent(motion.device_time);
   // What the server asks for to prove this address.
   const auto& newest = forces_.newest();
   motion.challenge = newest && newest->session == motion.session ? newest->challenge : 0;
   if (!takes_energy_) motion.energy_given_J = 0;
-  if (!messages_.send(motion)) forces_.note_not_sent();
+  if (!messages_.send(motion)) forces_.uncount_sent();
   return motion.sequence;
 }
 
@@ -93,10 +93,10 @@ bool SessionLink::accept(const wire::EnvironmentForce& force, Arrival& arrival, 
       report_follower(force.answer.follower, now);
       [[fallthrough]];
     case ForceStream::Verdict::reordered:
-      clocks_.note({.read = ForceStream::reading_time(force),
-                    .received = force.server_receive_time,
-                    .answered = force.server_send_time,
-                    .arrived = arrival.at});
+      clocks_.update({.read = ForceStream::reading_time(force),
+                      .received = force.server_receive_time,
+                      .answered = force.server_send_time,
+                      .arrived = arrival.at});
       closing_.wait_anew(now);
       return true;
     case ForceStream::Verdict::duplicate:

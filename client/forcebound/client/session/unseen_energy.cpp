@@ -40,7 +40,7 @@ UnseenEnergy::UnseenEnergy(const control::DeviceFacts& facts, const device::Safe
 
 void UnseenEnergy::add(const device::Reading& reading, const Vector& applied, double elapsed_s) noexcept {
   if (!bounds_ || !(elapsed_s > 0)) return;
-  repeats_.note(reading.joint, elapsed_s);
+  repeats_.add(reading.joint, elapsed_s);
   const Vector torque = reading.jacobian.transpose() * applied;
   double energy_J = 0;
   frozen_ = false;

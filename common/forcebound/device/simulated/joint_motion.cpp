@@ -84,12 +84,12 @@ void JointMotion::advance(const JointDrive& drive) noexcept {
   bool choose = true;
   double elapsed = 0;
   while (drive.length_s - elapsed > kRemainderLeast * drive.length_s) {
-    take_force(drive, elapsed, 1);
+    set_force(drive, elapsed, 1);
     if (choose) choose_contacts(Eigen::Map<const Vector>(force_[0].data(), dof_));
     if (!reduced_) reduce_to_moving();
     const double longest = rate_ > 0 ? std::max(kReachMax / rate_, step_least) : drive.length_s;
     const double step = std::min(drive.length_s - elapsed, longest);
-    take_force(drive, elapsed, step);
+    set_force(drive, elapsed, step);
     expand(step);
     const Event event = first_event(step);
     account(drive, step, event.at);
@@ -101,7 +101,7 @@ void JointMotion::advance(const JointDrive& drive) noexcept {
   }
 }
 
-void JointMotion::take_force(const JointDrive& drive, double elapsed_s, double step_s) noexcept {
+void JointMotion::set_force(const JointDrive& drive, double elapsed_s, double step_s) noexcept {
   const double e = elapsed_s;
   const auto& f = drive.hand_pull;
   for (int i = 0; i < dof_; ++i) {

@@ -82,7 +82,7 @@ class JointMotion {
   void choose_contacts(const Vector& force) noexcept;
   [[nodiscard]] Vector starting_accelerations(const Vector& force) const noexcept;
   void reduce_to_moving() noexcept;
-  void take_force(const JointDrive& drive, double elapsed_s, double step_s) noexcept;
+  void set_force(const JointDrive& drive, double elapsed_s, double step_s) noexcept;
   void expand(double step_s) noexcept;
   [[nodiscard]] Event first_event(double step_s) const noexcept;
   [[nodiscard]] Event first_reversal(int joint) const noexcept;

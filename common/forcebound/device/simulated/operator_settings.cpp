@@ -37,7 +37,7 @@ void OperatorSettings::refuse(const std::string& message) const {
   throw std::invalid_argument("operator '" + name_ + "': " + message);
 }
 
-double OperatorSettings::take(const std::string& key, double otherwise) {
+double OperatorSettings::use(const std::string& key, double otherwise) {
   const auto found = std::find_if(given_.begin(), given_.end(), [&](const auto& item) { return item.first == key; });
   const double value = found == given_.end() ? otherwise : found->second;
   used_.emplace_back(key, value);
@@ -45,14 +45,14 @@ double OperatorSettings::take(const std::string& key, double otherwise) {
 }
 
 double OperatorSettings::number(const std::string& key, Allowed allowed, double otherwise) {
-  const double value = take(key, otherwise);
+  const double value = use(key, otherwise);
   if (allowed == Allowed::positive && !(value > 0)) refuse(key + " must be > 0, got " + written(value));
   if (allowed == Allowed::not_negative && !(value >= 0)) refuse(key + " must be >= 0, got " + written(value));
   return value;
 }
 
 int OperatorSettings::integer(const std::string& key, int least, int most, int otherwise) {
-  const double value = take(key, otherwise);
+  const double value = use(key, otherwise);
   if (value != std::round(value) || value < least || value > most) {
     refuse(key + " must be a whole number from " + std::to_string(least) + " to " + std::to_string(most) + ", got " +
            written(value));

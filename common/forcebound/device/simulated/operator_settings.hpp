@@ -60,7 +60,7 @@ class OperatorSettings {
 
  private:
   [[noreturn]] void refuse(const std::string& message) const;
-  [[nodiscard]] double take(const std::string& key, double otherwise);
+  [[nodiscard]] double use(const std::string& key, double otherwise);
 
   std::string name_;
   bool tip_turns_ = false;

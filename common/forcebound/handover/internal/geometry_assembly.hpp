@@ -29,7 +29,7 @@ class GeometryAssembly {
   [[nodiscard]] bool whole() const noexcept { return here_ == pieces(); }
 
   /// @throws HandoverError if it is not the piece of that number
-  void take(std::size_t number, std::span<const std::byte> bytes);
+  void add(std::size_t number, std::span<const std::byte> bytes);
 
   struct Made {
     scene::ShapeGeometry geometry{};
@@ -52,8 +52,8 @@ class GeometryAssembly {
   [[nodiscard]] Eigen::AlignedBox3d whole_box_m() const;
   [[nodiscard]] Eigen::AlignedBox3d box_m(std::size_t piece) const;
   [[nodiscard]] Eigen::AlignedBox3d mesh_box_m(std::size_t piece) const;  // in the mesh's own frame
-  void take_triangles(const v1::MeshPiece& piece, std::size_t number_of_piece);
-  void take_heights(const v1::HeightPiece& piece, std::size_t number);
+  void add_triangles(const v1::MeshPiece& piece, std::size_t number_of_piece);
+  void add_heights(const v1::HeightPiece& piece, std::size_t number);
   [[nodiscard]] std::shared_ptr<const scene::TriangleMesh> made_mesh() const;
 
   v1::Geometry geometry_;

@@ -41,8 +41,8 @@ class Owner {
   virtual void joined(Viewer& viewer) = 0;
   virtual void left(Viewer& viewer) noexcept = 0;
   virtual void received(Viewer& viewer, std::string_view text) = 0;
-  virtual void note_skipped() noexcept = 0;
-  virtual void note_dropped() noexcept = 0;
+  virtual void count_skipped() noexcept = 0;
+  virtual void count_dropped() noexcept = 0;
 };
 
 }  // namespace forcebound::page::internal

@@ -44,7 +44,7 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
 
   void send(const Text& text, Worth worth) {
     if (!open_) return;
-    if (worth == Worth::stream && waiting_bytes_ > limits_.stream_bytes) return owner_.note_skipped();
+    if (worth == Worth::stream && waiting_bytes_ > limits_.stream_bytes) return owner_.count_skipped();
     if (waiting_bytes_ > limits_.needed_bytes) return drop();
     waiting_bytes_ += text->size();
     waiting_.push_back(text);
@@ -103,10 +103,10 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
   void leave(beast::error_code why) noexcept {
     const bool was_open = std::exchange(open_, false);
     // That of Beast too: no answer to a ping.
-    if (was_open && why == beast::error::timeout) owner_.note_dropped();
+    if (was_open && why == beast::error::timeout) owner_.count_dropped();
     close();
-    if (was_open || !told_) owner_.left(*this);
-    told_ = true;
+    if (was_open || !reported_) owner_.left(*this);
+    reported_ = true;
   }
 
   ViewerId id_;
@@ -117,7 +117,7 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
   beast::flat_buffer received_;
   std::size_t allowance_;
   bool open_ = false;
-  bool told_ = false;
+  bool reported_ = false;
   bool paused_ = false;
   std::deque<Text> waiting_;  // the first is being sent
   std::size_t waiting_bytes_ = 0;

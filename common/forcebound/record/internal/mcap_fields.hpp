@@ -22,7 +22,7 @@ class Damage : public std::runtime_error {
 [[nodiscard]] std::uint32_t crc32_of(std::string_view bytes, std::uint32_t before = 0) noexcept;
 
 /// @throws Damage unless the bytes have the checksum that the file says; 0: it says none.
-void expect_crc(std::uint32_t said, std::string_view bytes, std::uint64_t offset, const char* what);
+void expect_crc(std::uint32_t stated, std::string_view bytes, std::uint64_t offset, const char* what);
 
 /// Takes a record's content apart. What does not fit in it is Damage.
 class Fields {

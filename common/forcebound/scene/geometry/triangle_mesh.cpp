@@ -63,16 +63,16 @@ std::string to_text(const MeshReport& report) {
   std::string words =
       text::counted(report.triangles, "triangle") + ", " + text::counted(report.vertices, "vertex", "vertices") + ", ";
   words += report.closed() ? (report.volume_m3 < 0 ? "closed, inside out" : "closed") : "open";
-  const auto tell = [&](std::size_t count, const char* one, const char* many, const char* more = "") {
+  const auto add = [&](std::size_t count, const char* one, const char* many, const char* more = "") {
     if (count > 0) words += "; " + text::counted(count, one, many) + more;
   };
-  tell(report.open_edges, "open edge", "open edges");
-  tell(report.non_manifold_edges, "edge", "edges", " of more than two triangles");
-  tell(report.inconsistent_edges, "edge", "edges", " whose triangles disagree about the outside");
-  tell(report.welded_vertices, "duplicate vertex", "duplicate vertices", " welded");
-  tell(report.unreferenced_vertices, "unreferenced vertex", "unreferenced vertices", " dropped");
-  tell(report.slivers, "sliver", "slivers", " dropped");
-  tell(report.duplicate_triangles, "duplicate triangle", "duplicate triangles", " dropped");
+  add(report.open_edges, "open edge", "open edges");
+  add(report.non_manifold_edges, "edge", "edges", " of more than two triangles");
+  add(report.inconsistent_edges, "edge", "edges", " whose triangles disagree about the outside");
+  add(report.welded_vertices, "duplicate vertex", "duplicate vertices", " welded");
+  add(report.unreferenced_vertices, "unreferenced vertex", "unreferenced vertices", " dropped");
+  add(report.slivers, "sliver", "slivers", " dropped");
+  add(report.duplicate_triangles, "duplicate triangle", "duplicate triangles", " dropped");
   return words;
 }
 

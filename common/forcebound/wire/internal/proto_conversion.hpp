@@ -26,7 +26,7 @@ struct Flaws {
 void fill(const MotionSample& from, v1::MotionSample& to) noexcept;
 void fill(const EnvironmentForce& from, v1::EnvironmentForce& to) noexcept;
 
-[[nodiscard]] Flaws take(const v1::MotionSample& from, MotionSample& to) noexcept;
-[[nodiscard]] Flaws take(const v1::EnvironmentForce& from, EnvironmentForce& to) noexcept;
+[[nodiscard]] Flaws read(const v1::MotionSample& from, MotionSample& to) noexcept;
+[[nodiscard]] Flaws read(const v1::EnvironmentForce& from, EnvironmentForce& to) noexcept;
 
 }  // namespace forcebound::wire

@@ -82,8 +82,8 @@ FleetLink::~FleetLink() {
 
 void FleetLink::turn(std::size_t sessions) {
   turns_.fetch_add(1, std::memory_order_relaxed);
-  if (sessions == told_sessions_) return;
-  told_sessions_ = sessions;
+  if (sessions == reported_sessions_) return;
+  reported_sessions_ = sessions;
   {
     const std::scoped_lock lock(lock_);
     sessions_ = sessions;
@@ -91,7 +91,7 @@ void FleetLink::turn(std::size_t sessions) {
   changed_.notify_all();
 }
 
-void FleetLink::take_sessions(const std::stop_token& stop) {
+void FleetLink::wait_for_sessions(const std::stop_token& stop) {
   std::unique_lock lock(lock_);
   changed_.wait_for(lock, stop, kWait, [this] { return sessions_ != member_.sessions(); });
   member_.set_sessions(sessions_, clock_.now());
@@ -99,7 +99,7 @@ void FleetLink::take_sessions(const std::stop_token& stop) {
 
 void FleetLink::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
-    take_sessions(stop);
+    wait_for_sessions(stop);
     FleetCall call = FleetCall::none;
     do {
       const bool turning = turns_.load(std::memory_order_relaxed) != healthy_turns_;
@@ -121,25 +121,25 @@ void FleetLink::say(FleetCall call) {
     const http::Response answer = http::ask(url, sent.request, call == FleetCall::shut_down ? kLastAnswer : kAnswer);
     if (answer.status != kGood) {
       const std::string why = sent.target + " was answered with HTTP status " + std::to_string(answer.status);
-      if (call != FleetCall::count) return note_fault(call, why);
+      if (call != FleetCall::count) return report_fault(call, why);
       spdlog::warn("fleet: the number of sessions is not told: {}; the fleet's GameServer needs a counter '{}'", why,
                    kCounter);
       return member_.refused(call);
     }
     if (call == FleetCall::health) healthy_turns_ = turns;
-    if (!note(call, answer.body)) {
-      return note_fault(call, "/gameserver was answered with what is no state of a GameServer");
+    if (!apply_answer(call, answer.body)) {
+      return report_fault(call, "/gameserver was answered with what is no state of a GameServer");
     }
     failed_ = false;
     // The others may have been answered all the time.
     if (faults_.erase(call) > 0) spdlog::info("fleet: the sidecar answers again: {}", sent.target);
   } catch (const std::exception& error) {
-    note_fault(call, error.what());
+    report_fault(call, error.what());
   }
 }
 
 /// Whether the answer is one to that call.
-bool FleetLink::note(FleetCall call, const std::string& body) {
+bool FleetLink::apply_answer(FleetCall call, const std::string& body) {
   const Nanoseconds now = clock_.now();
   log(call);
   member_.done(call, now);
@@ -147,7 +147,7 @@ bool FleetLink::note(FleetCall call, const std::string& body) {
   const auto state = read_fleet_state(body);
   if (!state) return false;
   const bool before = member_.allocated();
-  member_.looked(*state, now);
+  member_.apply_state(*state, now);
   if (!before && member_.allocated()) spdlog::info("fleet: allocated by the fleet, waiting for a client");
   return true;
 }
@@ -163,7 +163,7 @@ void FleetLink::log(FleetCall call) {
   if (call == FleetCall::shut_down) spdlog::info("fleet: shut down");
 }
 
-void FleetLink::note_fault(FleetCall call, const std::string& why) {
+void FleetLink::report_fault(FleetCall call, const std::string& why) {
   member_.failed(clock_.now());
   failed_ = true;
   if (!faults_.insert(call).second) return;

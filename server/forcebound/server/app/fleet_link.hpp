@@ -45,14 +45,14 @@ class FleetLink {
  private:
   void run(const std::stop_token& stop);
   void say(FleetCall call);
-  [[nodiscard]] bool note(FleetCall call, const std::string& body);
-  void note_fault(FleetCall call, const std::string& why);
+  [[nodiscard]] bool apply_answer(FleetCall call, const std::string& body);
+  void report_fault(FleetCall call, const std::string& why);
   void log(FleetCall call);
-  void take_sessions(const std::stop_token& stop);
+  void wait_for_sessions(const std::stop_token& stop);
 
   Settings settings_;
   const time::Clock& clock_;
-  std::size_t told_sessions_ = 0;        // of the serving thread
+  std::size_t reported_sessions_ = 0;    // of the serving thread
   std::atomic<std::uint64_t> turns_{0};  // of the serving thread
   std::atomic<bool> over_{false};
 

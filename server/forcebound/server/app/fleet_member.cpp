@@ -57,7 +57,7 @@ void FleetMember::set_sessions(std::size_t sessions, Nanoseconds now) noexcept {
 }
 
 FleetCall FleetMember::life_cycle(Nanoseconds now) const noexcept {
-  if (!told_ready_) return FleetCall::ready;
+  if (!reported_ready_) return FleetCall::ready;
   if (sessions_ > 0) return allocated_ ? FleetCall::none : FleetCall::allocate;
   if (!allocated_) return FleetCall::none;
   if (now < since_ + (used_ ? options_.empty : options_.arrival)) return FleetCall::none;
@@ -77,14 +77,14 @@ void FleetMember::done(FleetCall call, Nanoseconds now) noexcept {
   pause_ = Nanoseconds{0};
   switch (call) {
     case FleetCall::ready:
-      told_ready_ = true;
+      reported_ready_ = true;
       allocated_ = used_ = false;
       counted_.reset();
-      told_ = now;
+      reported_ = now;
       break;
     case FleetCall::allocate:
       allocated_ = used_ = true;
-      told_ = now;
+      reported_ = now;
       break;
     case FleetCall::shut_down:
       shut_down_ = true;
@@ -113,13 +113,13 @@ void FleetMember::failed(Nanoseconds now) noexcept {
   silent_until_ = now + pause_;
 }
 
-void FleetMember::looked(const FleetState& state, Nanoseconds now) noexcept {
+void FleetMember::apply_state(const FleetState& state, Nanoseconds now) noexcept {
   // Twice in a period, so that one may be late.
   if (state.health_period > Nanoseconds{0}) {
     health_period_ = std::clamp(Nanoseconds{state.health_period / 2}, kHealthLeast, kHealthMost);
   }
   // What it shows may be from before it was told.
-  if (!told_ready_ || now < told_ + options_.settle || state.allocated == allocated_) return;
+  if (!reported_ready_ || now < reported_ + options_.settle || state.allocated == allocated_) return;
   // Somebody else may have made it ready: the next turn allocates it again if it is in use.
   allocated_ = state.allocated;
   used_ = sessions_ > 0;

@@ -72,7 +72,7 @@ class FleetMember {
   /// It did not answer: nothing is said for a while, the longer the more often that happened.
   void failed(Nanoseconds now) noexcept;
 
-  void looked(const FleetState& state, Nanoseconds now) noexcept;
+  void apply_state(const FleetState& state, Nanoseconds now) noexcept;
 
   [[nodiscard]] bool allocated() const noexcept { return allocated_; }
   [[nodiscard]] bool used() const noexcept { return used_; }
@@ -92,13 +92,13 @@ class FleetMember {
   std::size_t sessions_ = 0;
   std::optional<std::size_t> counted_{};  ///< as the sidecar was told
   bool can_count_ = true;
-  bool told_ready_ = false;
+  bool reported_ready_ = false;
   bool allocated_ = false;
   bool used_ = false;  ///< since it is allocated
   bool shut_down_ = false;
   bool leaving_ = false;
-  Nanoseconds told_{0};   ///< when its state was last told
-  Nanoseconds since_{0};  ///< when it was allocated, or its last session ended
+  Nanoseconds reported_{0};  ///< when its state was last told
+  Nanoseconds since_{0};     ///< when it was allocated, or its last session ended
   Nanoseconds health_period_{std::chrono::seconds{2}};
   Nanoseconds next_health_{0};
   Nanoseconds next_look_{0};

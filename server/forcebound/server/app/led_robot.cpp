@@ -71,7 +71,8 @@ std::string in_words(const StateChange& change) {
   std::string text = std::string(name_of(change.from)) + " -> " + std::string(name_of(change.to)) + " after " +
                      duration_text(change.lasted);
   if (change.to == stopping || change.by_robot()) text += ": " + std::string(change.why_stopped);
-  if (change.by_robot() && change.said.front() != '\0') text += ": " + text::printable(change.said.data());
+  if (change.by_robot() && change.robot_error.front() != '\0')
+    text += ": " + text::printable(change.robot_error.data());
   if (change.to == holding || change.to == stopping) {
     text += change.silent ? "; the leader was last heard " + duration_text(*change.silent) + " ago"
                           : std::string("; nobody leads");
@@ -139,8 +140,8 @@ LedRobot::LedRobot(const FollowerOptions& options, const control::LawRegistry& l
     robot = find_robot(options_.robot).make(*task_, kSeed);
   }
   auto follower = std::make_unique<Follower>(std::move(robot), options_.settings, laws, clock);
-  looks_ = std::make_shared<const FollowerLooks>(follower->robot().model(), task_ ? &*task_ : nullptr,
-                                                 options_.settings, follower->robot().audit().has_value());
+  appearance_ = std::make_shared<const FollowerAppearance>(follower->robot().model(), task_ ? &*task_ : nullptr,
+                                                           options_.settings, follower->robot().audit().has_value());
   thread_ =
       std::make_shared<FollowerThread>(std::move(follower), clock, FollowerThread::Settings{.priority = priority});
   if (priority) spdlog::info("robot's loop: {}", thread_->grant());
@@ -149,7 +150,7 @@ LedRobot::LedRobot(const FollowerOptions& options, const control::LawRegistry& l
 EnvironmentKind LedRobot::environment() const {
   constexpr int kDegreesOfFreedom = 3;  // of what a robot's tool does unless it is known
   return follower_environment(task_ ? task_->name : "robot", summary(),
-                              task_ ? task_->degrees_of_freedom : kDegreesOfFreedom, thread_, looks_);
+                              task_ ? task_->degrees_of_freedom : kDegreesOfFreedom, thread_, appearance_);
 }
 
 std::string LedRobot::summary() const {
@@ -166,7 +167,7 @@ void LedRobot::log_changes() {
     const bool learned = bias.answer == SensorBias::Answer::learned;
     spdlog::log(learned ? spdlog::level::info : spdlog::level::warn, "robot: {}", in_words(bias));
   }
-  if (!is_lost() || std::exchange(told_lost_, true)) return;
+  if (!is_lost() || std::exchange(reported_lost_, true)) return;
   spdlog::error("robot: {}", loss_in_words(*thread_->guard(), at_work()));
 }
 

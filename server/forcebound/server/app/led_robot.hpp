@@ -29,7 +29,7 @@ class LedRobot {
   [[nodiscard]] std::string summary() const;
 
   /// How it looks, and what it reports now for that.
-  [[nodiscard]] const FollowerLooks& looks() const noexcept { return *looks_; }
+  [[nodiscard]] const FollowerAppearance& appearance() const noexcept { return *appearance_; }
   [[nodiscard]] const FollowerReport& newest() noexcept { return thread_->newest(); }
 
   /// Logs what changed since the last call.
@@ -55,10 +55,10 @@ class LedRobot {
   FollowerOptions options_;
   std::optional<Task> task_;  ///< none: the robot has work of its own
   std::string name_{};        ///< of the robot
-  bool told_lost_ = false;
+  bool reported_lost_ = false;
   std::uint64_t bias_answers_ = 0;  ///< logged
   std::shared_ptr<FollowerThread> thread_;
-  std::shared_ptr<const FollowerLooks> looks_;
+  std::shared_ptr<const FollowerAppearance> appearance_;
 };
 
 /// Why there is no robot any more, and what became of it.

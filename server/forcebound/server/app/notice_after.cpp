@@ -5,11 +5,11 @@
 
 namespace forcebound::server {
 
-NoticeAfter::NoticeAfter(time::Nanoseconds after, std::function<void()> tell)
-    : waiting_([this, after, tell = std::move(tell)](const std::stop_token& stop) {
+NoticeAfter::NoticeAfter(time::Nanoseconds after, std::function<void()> report)
+    : waiting_([this, after, report = std::move(report)](const std::stop_token& stop) {
         std::unique_lock lock(mutex_);
         ended_.wait_for(lock, stop, after, [] { return false; });
-        if (!stop.stop_requested()) tell();
+        if (!stop.stop_requested()) report();
       }) {}
 
 }  // namespace forcebound::server

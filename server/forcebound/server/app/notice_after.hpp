@@ -12,7 +12,7 @@ namespace forcebound::server {
 /// Tells what takes long: calls a function once, on a thread of its own, if this object still exists after a while.
 class NoticeAfter {
  public:
-  NoticeAfter(time::Nanoseconds after, std::function<void()> tell);
+  NoticeAfter(time::Nanoseconds after, std::function<void()> report);
 
  private:
   std::mutex mutex_;

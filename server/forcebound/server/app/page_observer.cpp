@@ -52,9 +52,9 @@ PageObserver::Row PageObserver::row_of(const Figures& figures) const {
           .compute_rare_ns = figures.compute.percentile(kRare)};
 }
 
-PageObserver::Seen PageObserver::seen(const Lock& lock) const {
+PageObserver::Snapshot PageObserver::snapshot(const Lock& lock) const {
   const auto locked = [&lock] { return lock ? lock() : std::unique_lock<std::mutex>(); };
-  Seen all;
+  Snapshot all;
   std::uint64_t before = 0;
   {
     const auto held = locked();
@@ -73,7 +73,7 @@ PageObserver::Seen PageObserver::seen(const Lock& lock) const {
   }
 }
 
-std::string PageObserver::Seen::sessions_message(const Load& load) const {
+std::string PageObserver::Snapshot::sessions_message(const Load& load) const {
   Json rows = Json::array();
   for (const Row& row : sessions) {
     Json faults = Json::array();
@@ -101,7 +101,7 @@ std::string PageObserver::Seen::sessions_message(const Load& load) const {
   return message.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-std::string PageObserver::Seen::metrics(const Load& load) const {
+std::string PageObserver::Snapshot::metrics(const Load& load) const {
   std::string text;
   add_metric(text, "sessions", static_cast<double>(load.places_used));
   add_metric(text, "sessions_most", static_cast<double>(load.places));

@@ -47,7 +47,7 @@ class PageObserver final : public ServerObserver {
   };
 
   /// What is shown, copied; to be written out where no worker waits for it.
-  struct Seen {
+  struct Snapshot {
     std::vector<Row> sessions{};
     std::map<std::string, page::DurationHistogram> scenes{};
     std::uint64_t opened = 0;
@@ -62,7 +62,7 @@ class PageObserver final : public ServerObserver {
   /// Owned while one session is looked at, so that a motion waits for no more than that; empty: there is no other
   /// thread.
   using Lock = std::function<std::unique_lock<std::mutex>()>;
-  [[nodiscard]] Seen seen(const Lock& lock = {}) const;
+  [[nodiscard]] Snapshot snapshot(const Lock& lock = {}) const;
 
   /// The session that a page calls so; nothing: it has ended.
   [[nodiscard]] std::optional<std::uint64_t> session_of(std::uint64_t shown) const;

@@ -24,11 +24,11 @@ PageTurn::PageTurn(const ProgramOptions& options, PageObserver& observer, const 
       robot_(robot),
       places_(options.server.sessions_max),
       page_(clock, options.record),
-      log_([this](const std::string& level, const std::string& text) { page_.tell(level, text); }),
+      log_([this](const std::string& level, const std::string& text) { page_.report(level, text); }),
       shown_(clock.now()) {
   const page::PageServer::Settings settings = page::page_settings(*options.page, text::program_path());
   if (const std::string why = page::missing_page(text::program_path()); !why.empty()) spdlog::warn("{}", why);
-  if (robot_ != nullptr) page_.set_robot(*robot_->looks().description());
+  if (robot_ != nullptr) page_.set_robot(*robot_->appearance().description());
   served_.emplace(settings, page_);
   std::cout << "page: " << page::printed_address(served_->address()) << std::endl;
 }
@@ -38,8 +38,8 @@ void PageTurn::show_robot(time::Nanoseconds now) {
   next_movement_ = now + kMovementPeriod;
   const FollowerReport& report = robot_->newest();
   std::array<float, view::kNumbersMost> numbers{};
-  for (const std::size_t group : {FollowerLooks::kSolids, FollowerLooks::kValues}) {
-    const std::size_t count = robot_->looks().see(report, group, 0, numbers);
+  for (const std::size_t group : {FollowerAppearance::kSolids, FollowerAppearance::kValues}) {
+    const std::size_t count = robot_->appearance().sample(report, group, 0, numbers);
     if (count > 0) page_.move_robot(group, std::span(numbers).first(count));
   }
 }
@@ -57,7 +57,7 @@ void PageTurn::turn(ServerWorkers& server) {
   while (const auto kick = page_.take_kick()) {
     const auto session = session_of(*kick, server);
     const bool ended = session && server.end_session(*session);  // which the log tells
-    if (!ended) page_.tell("warning", "session " + std::to_string(*kick) + " has ended already");
+    if (!ended) page_.report("warning", "session " + std::to_string(*kick) + " has ended already");
   }
   if (!page_.watched() && !page_.awaited()) return;
   const std::uint64_t motions = server.counters().motions_received;
@@ -70,7 +70,7 @@ void PageTurn::turn(ServerWorkers& server) {
   motions_ = motions;
   shown_ = now;
   try {
-    const PageObserver::Seen seen = observer_.seen([&server] { return server.observer_lock(); });
+    const PageObserver::Snapshot seen = observer_.snapshot([&server] { return server.observer_lock(); });
     page_.show(seen.sessions_message(load), seen.metrics(load));
   } catch (const std::bad_alloc&) {  // the page shows what it had; serving goes on
   }

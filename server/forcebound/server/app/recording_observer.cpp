@@ -43,7 +43,7 @@ RecordingObserver::RecordingObserver(const time::Clock& clock, const std::string
           std::this_thread::sleep_for(kDrainPeriod);
         }
       }) {
-  tell_scene(first_scene_);
+  queue_scene(first_scene_);
 }
 
 RecordingObserver::~RecordingObserver() { RecordingObserver::finish(); }
@@ -69,23 +69,23 @@ bool RecordingObserver::finish() {
 
 void RecordingObserver::on_opened(const SessionInfo& info) {
   LogObserver::on_opened(info);
-  tell_scene(info.scene);
+  queue_scene(info.scene);
 }
 
-void RecordingObserver::tell_scene(const std::string& name) {
-  if (!told_.insert(name).second) return;
-  ToldScene told{name, scenes_.library.find(name)};
+void RecordingObserver::queue_scene(const std::string& name) {
+  if (!reported_.insert(name).second) return;
+  UsedScene told{name, scenes_.library.find(name)};
   const std::scoped_lock lock(waiting_mutex_);
   waiting_.push_back(std::move(told));
 }
 
 void RecordingObserver::write_scenes() {
-  std::vector<ToldScene> told;
+  std::vector<UsedScene> told;
   {
     const std::scoped_lock lock(waiting_mutex_);
     told.swap(waiting_);
   }
-  for (const ToldScene& one : told) {
+  for (const UsedScene& one : told) {
     const Nanoseconds now = clock_.now();
     if (one.scene) writer_.write_scene(view::parts_of(view::shown(*one.scene, view::Which::all)), now);
     const bool shipped = one.scene && !is_scene_file(one.name);

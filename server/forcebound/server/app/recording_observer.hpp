@@ -42,20 +42,20 @@ class RecordingObserver final : public LogObserver {
   void on_force(const wire::EnvironmentForce& force) noexcept override;
 
  private:
-  struct ToldScene {
+  struct UsedScene {
     std::string name;
     std::shared_ptr<const scene::Scene> scene;  ///< as pictures show it; null: it is none of the library
   };
 
-  void tell_scene(const std::string& name);
+  void queue_scene(const std::string& name);
   void write_scenes();
 
   const time::Clock& clock_;
   Scenes scenes_;
   std::string first_scene_;
-  std::set<std::string> told_;  // of who calls on_opened, one thread at a time
+  std::set<std::string> reported_;  // of who calls on_opened, one thread at a time
   std::mutex waiting_mutex_;
-  std::vector<ToldScene> waiting_{};  // for the thread that writes
+  std::vector<UsedScene> waiting_{};  // for the thread that writes
   std::string file_;
   record::RecordingWriter writer_;  // used by the thread until it ends
   record::Recorder recorder_;

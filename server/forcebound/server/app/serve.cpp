@@ -48,24 +48,24 @@ volatile std::sig_atomic_t terminations = 0;
 volatile std::sig_atomic_t reloads = 0;
 volatile std::sig_atomic_t bias_commands = 0;
 
-void take_signals(bool reloadable, bool drives_robot) {
-  const auto take = [](int signal, void (*handler)(int)) {
+void install_signal_handlers(bool reloadable, bool drives_robot) {
+  const auto handle = [](int signal, void (*handler)(int)) {
     struct sigaction action {};
     action.sa_handler = handler;
     sigaction(signal, &action, nullptr);
   };
-  take(SIGINT, [](int) { interrupts = 1; });
+  handle(SIGINT, [](int) { interrupts = 1; });
   // A second one ends at once.
   constexpr auto kTerminate = [](int) { terminations = terminations == 0 ? 1 : 2; };
-  take(SIGTERM, kTerminate);
+  handle(SIGTERM, kTerminate);
   // Whatever ends the process, the robot is to be stopped before.
   if (drives_robot) {
-    take(SIGHUP, kTerminate);
-    take(SIGQUIT, kTerminate);
-    take(SIGUSR1, [](int) { bias_commands = 1; });
+    handle(SIGHUP, kTerminate);
+    handle(SIGQUIT, kTerminate);
+    handle(SIGUSR1, [](int) { bias_commands = 1; });
   }
   // Otherwise it means that the terminal is gone.
-  if (reloadable) take(SIGHUP, [](int) { reloads = 1; });
+  if (reloadable) handle(SIGHUP, [](int) { reloads = 1; });
   // A full disk or a closed pipe gives a write error, not a signal that ends the process.
   std::signal(SIGXFSZ, SIG_IGN);
   std::signal(SIGPIPE, SIG_IGN);
@@ -96,8 +96,8 @@ void ask_for_real_time() {
 /// may be refused to others, where its limit is lower.
 void ask_for_scheduling() {
   const int refused = time::ask_for_first_in_first_out(kPriority);
-  static std::atomic_flag said;
-  if (refused == 0 || said.test_and_set()) return;
+  static std::atomic_flag reported;
+  if (refused == 0 || reported.test_and_set()) return;
   spdlog::warn(
       "further workers have no SCHED_FIFO ({}): their answers are late whenever the machine is busy. A service needs "
       "LimitRTPRIO={}",
@@ -150,15 +150,15 @@ class Service {
       if (beside_.page != nullptr) beside_.page->turn(server_);
       if (beside_.fleet != nullptr) beside_.fleet->turn(server_.sessions());
       if (beside_.robot != nullptr) attend(*beside_.robot);
-      if (server_.alive(clock_.now())) manager_.tell_alive(clock_.now());
+      if (server_.alive(clock_.now())) manager_.report_alive(clock_.now());
       if (reloads != 0) reload_now();
-      if (reloading_ && server_.settled()) tell_reloaded();
+      if (reloading_ && server_.settled()) report_reloaded();
       if (options_.verbose && clock_.now() >= next_report_) {
         report(server_);
         next_report_ = clock_.now() + kReportPeriod;
       }
     }
-    ServiceManager::tell_stopping("ending");
+    ServiceManager::report_stopping("ending");
   }
 
  private:
@@ -177,7 +177,7 @@ class Service {
     const std::string words = "ending: waiting up to " + text::to_text(time::to_seconds(options_.drain)) + " s for " +
                               text::counted(server_.sessions(), "session");
     spdlog::info("{}; a second SIGTERM ends at once", words);
-    ServiceManager::tell_stopping(words);
+    ServiceManager::report_stopping(words);
   }
 
   static void attend(LedRobot& robot) {
@@ -188,15 +188,15 @@ class Service {
 
   void reload_now() {
     reloads = 0;
-    ServiceManager::tell_reloading();
+    ServiceManager::report_reloading();
     reload(server_, options_);
     reloading_ = true;
   }
 
   /// All workers have the new list.
-  void tell_reloaded() {
+  void report_reloaded() {
     reloading_ = false;
-    if (!drained_by_) ServiceManager::tell_ready("serving");
+    if (!drained_by_) ServiceManager::report_ready("serving");
   }
 
   ServerWorkers& server_;
@@ -324,7 +324,7 @@ int serve(ProgramOptions options) {
   Offer offer = make_offer(options, clock);
   options.server.scene = offer.name;
 
-  take_signals(!options.keys.clients.empty() || ServiceManager::started_this(), options.follower.any());
+  install_signal_handlers(!options.keys.clients.empty() || ServiceManager::started_this(), options.follower.any());
   net::UdpLink link = handed_over ? std::move(*handed_over) : listen_at(address);
   const auto observer = make_observer(options, offer, encryption, clock);
   PageObserver page_observer(*observer, clock);
@@ -349,7 +349,7 @@ int serve(ProgramOptions options) {
   spdlog::info("listening on {}, {} '{}': {}", net::to_string(server.address()), offer.robot ? "task" : "scene",
                offer.name, offer.simulated);
 
-  ServiceManager::tell_ready("serving at " + net::to_string(server.address()));
+  ServiceManager::report_ready("serving at " + net::to_string(server.address()));
 
   const Beside beside{.page = page ? &*page : nullptr,
                       .fleet = fleet ? &*fleet : nullptr,

@@ -41,7 +41,7 @@ void ServerPage::show(std::string sessions, std::string metrics) {
   shown_.notify_all();
 }
 
-void ServerPage::tell(const std::string& level, const std::string& text) {
+void ServerPage::report(const std::string& level, const std::string& text) {
   const Json message{{"kind", "event"}, {"track", 0}, {"time_s", now_s()}, {"level", level}, {"text", text}};
   page::Text event = shared(message.dump(-1, ' ', false, Json::error_handler_t::replace));
   const std::scoped_lock lock(lock_);
@@ -50,15 +50,16 @@ void ServerPage::tell(const std::string& level, const std::string& text) {
   events_waiting_ = std::min(events_waiting_ + 1, events_.size());
 }
 
-void ServerPage::set_robot(const view::Description& looks) {
-  for (std::uint32_t i = 0; i < looks.pieces(); ++i) {
-    (void)assembly_.take({.view = looks.hash, .pieces = looks.pieces(), .number = i, .content = looks.piece(i)});
+void ServerPage::set_robot(const view::Description& appearance) {
+  for (std::uint32_t i = 0; i < appearance.pieces(); ++i) {
+    (void)assembly_.add(
+        {.view = appearance.hash, .pieces = appearance.pieces(), .number = i, .content = appearance.piece(i)});
   }
-  view_ = looks.hash;
+  view_ = appearance.hash;
   if (!assembly_.scene()) throw std::logic_error("the page cannot read how its own robot looks");
   scene_ = view::scene_message(0, assembly_.scene()->shown);
   for (auto* const groups : {&moved_, &sent_}) {
-    groups->resize(looks.moving.size());
+    groups->resize(appearance.moving.size());
     for (std::vector<float>& group : *groups) group.reserve(view::kNumbersMost);
   }
 }
@@ -116,7 +117,7 @@ void ServerPage::greet(page::ViewerId viewer, page::Viewers& viewers) {
   if (!sessions.empty()) viewers.send(viewer, shared(std::move(sessions)), page::Worth::needed);
   if (scene_.empty()) return;
   viewers.send(viewer, shared(scene_), page::Worth::needed);
-  assembly_.tell_again();
+  assembly_.report_all_again();
 }
 
 void ServerPage::receive(page::ViewerId viewer, std::string_view text, page::Viewers& viewers) {
@@ -128,13 +129,13 @@ void ServerPage::receive(page::ViewerId viewer, std::string_view text, page::Vie
     if (!request) return;
     const auto* const kick = std::get_if<page::Kick>(&*request);
     if (kick == nullptr) return refuse("message", "this is the page of a server, which takes kick alone");
-    if (!take(kick->session)) refuse("kick", "too many at once: wait until the last ones are done");
+    if (!queue_kick(kick->session)) refuse("kick", "too many at once: wait until the last ones are done");
   } catch (const std::invalid_argument& error) {
     refuse("message", error.what());
   }
 }
 
-bool ServerPage::take(std::uint64_t kick) {
+bool ServerPage::queue_kick(std::uint64_t kick) {
   const std::scoped_lock lock(lock_);
   if (kicks_.size() == kKicksMost) return false;
   kicks_.push_back(kick);
@@ -157,9 +158,9 @@ void ServerPage::beat(page::Viewers& viewers) {
   for (page::Text& event : events) viewers.send_to_all(std::move(event), page::Worth::needed);
   if (!sessions.empty()) viewers.send_to_all(shared(std::move(sessions)), page::Worth::stream);
   for (std::size_t group = 0; group < sent_.size(); ++group) {
-    (void)assembly_.take({.view = view_,
-                          .number = static_cast<std::uint32_t>(group),
-                          .content = std::as_bytes(std::span(sent_[group]))});
+    (void)assembly_.add({.view = view_,
+                         .number = static_cast<std::uint32_t>(group),
+                         .content = std::as_bytes(std::span(sent_[group]))});
   }
   if (++beats_ % kBeatsPerMovement != 0) return;
   std::string message = assembly_.take_moved(0);

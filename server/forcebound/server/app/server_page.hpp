@@ -34,10 +34,10 @@ class ServerPage final : public page::Subject {
   /// What is shown from now on.
   void show(std::string sessions, std::string metrics);
   /// An event. Any thread.
-  void tell(const std::string& level, const std::string& text);
+  void report(const std::string& level, const std::string& text);
 
   /// How the robot that is served looks. Before the page is served.
-  void set_robot(const view::Description& looks);
+  void set_robot(const view::Description& appearance);
   /// Where the items of a group of it are; the newest counts.
   void move_robot(std::size_t group, std::span<const float> numbers);
 
@@ -53,7 +53,7 @@ class ServerPage final : public page::Subject {
  private:
   [[nodiscard]] double now_s() const noexcept;
   [[nodiscard]] std::string hello() const;
-  [[nodiscard]] bool take(std::uint64_t kick);
+  [[nodiscard]] bool queue_kick(std::uint64_t kick);
 
   const time::Clock& clock_;
   time::Nanoseconds epoch_;

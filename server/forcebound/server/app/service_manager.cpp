@@ -28,20 +28,20 @@ std::optional<net::UdpLink> ServiceManager::take_socket() {
   return net::UdpLink::adopt(SD_LISTEN_FDS_START, net::UdpLink::Stamps::left_out);
 }
 
-void ServiceManager::tell_ready(const std::string& status) { sd_notify(0, ("READY=1\nSTATUS=" + status).c_str()); }
+void ServiceManager::report_ready(const std::string& status) { sd_notify(0, ("READY=1\nSTATUS=" + status).c_str()); }
 
-void ServiceManager::tell_reloading() {
+void ServiceManager::report_reloading() {
   timespec now{};
   clock_gettime(CLOCK_MONOTONIC, &now);
   const auto us = static_cast<long long>(now.tv_sec) * 1'000'000 + now.tv_nsec / 1000;
   sd_notify(0, ("RELOADING=1\nMONOTONIC_USEC=" + std::to_string(us)).c_str());
 }
 
-void ServiceManager::tell_stopping(const std::string& status) {
+void ServiceManager::report_stopping(const std::string& status) {
   sd_notify(0, ("STOPPING=1\nSTATUS=" + status).c_str());
 }
 
-void ServiceManager::tell_alive(time::Nanoseconds now) {
+void ServiceManager::report_alive(time::Nanoseconds now) {
   if (alive_period_ == time::Nanoseconds{0} || now < next_alive_) return;
   next_alive_ = now + alive_period_;
   sd_notify(0, "WATCHDOG=1");

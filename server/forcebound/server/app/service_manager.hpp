@@ -22,12 +22,12 @@ class ServiceManager {
   [[nodiscard]] static std::optional<net::UdpLink> take_socket();
 
   /// The service works. @param status for people, in one line
-  static void tell_ready(const std::string& status);
-  static void tell_reloading();
-  static void tell_stopping(const std::string& status);
+  static void report_ready(const std::string& status);
+  static void report_reloading();
+  static void report_stopping(const std::string& status);
 
   /// The loop runs; told to the watchdog, if there is one, as often as it wants.
-  void tell_alive(time::Nanoseconds now);
+  void report_alive(time::Nanoseconds now);
 
  private:
   time::Nanoseconds alive_period_{0};  ///< 0: no watchdog

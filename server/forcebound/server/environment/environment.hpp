@@ -62,14 +62,14 @@ class Environment {
 
   /// How it looks, for a client that shows it to people; null: it is not to be seen. Not real time: may allocate.
   /// @param which of its static parts
-  [[nodiscard]] virtual std::shared_ptr<const view::Description> looks(view::Which which) {
+  [[nodiscard]] virtual std::shared_ptr<const view::Description> appearance(view::Which which) {
     (void)which;
     return nullptr;
   }
 
   /// Where items of a group of that description are now, from number `first` on, as many as fit (view/description.hpp).
   /// @returns how many numbers were written; 0: nothing is known. Real time, as `respond`.
-  [[nodiscard]] virtual std::size_t see(std::size_t group, std::size_t first, std::span<float> to) const noexcept {
+  [[nodiscard]] virtual std::size_t sample(std::size_t group, std::size_t first, std::span<float> to) const noexcept {
     (void)group;
     (void)first;
     (void)to;

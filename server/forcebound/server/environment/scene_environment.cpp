@@ -16,7 +16,7 @@ namespace forcebound::server {
 namespace {
 
 /// How a scene looks is made once somebody asks, for all of its clients.
-struct Looks {
+struct Appearance {
   std::shared_ptr<const view::Description> all{};
   std::shared_ptr<const view::Description> not_handed_over{};
 };
@@ -38,17 +38,17 @@ view::Description describe(const scene::SceneState& state, view::Which which) {
 
 class SceneEnvironment final : public Environment {
  public:
-  SceneEnvironment(scene::SceneState state, std::shared_ptr<Looks> looks)
-      : state_(std::move(state)), looks_(std::move(looks)) {}
+  SceneEnvironment(scene::SceneState state, std::shared_ptr<Appearance> appearance)
+      : state_(std::move(state)), appearance_(std::move(appearance)) {}
 
-  std::shared_ptr<const view::Description> looks(view::Which which) override {
-    auto& made = which == view::Which::all ? looks_->all : looks_->not_handed_over;
+  std::shared_ptr<const view::Description> appearance(view::Which which) override {
+    auto& made = which == view::Which::all ? appearance_->all : appearance_->not_handed_over;
     if (!made) made = std::make_shared<const view::Description>(describe(state_, which));
     return made;
   }
 
-  std::size_t see(std::size_t group, std::size_t first, std::span<float> to) const noexcept override {
-    return state_.see(group, first, to);
+  std::size_t sample(std::size_t group, std::size_t first, std::span<float> to) const noexcept override {
+    return state_.sample(group, first, to);
   }
 
   Answer respond(const Motion& motion) noexcept override {
@@ -68,7 +68,7 @@ class SceneEnvironment final : public Environment {
 
  private:
   scene::SceneState state_;
-  std::shared_ptr<Looks> looks_;
+  std::shared_ptr<Appearance> appearance_;
 };
 
 /// The dynamic models of a shared scene, kept as long as a client uses them.
@@ -104,11 +104,11 @@ std::vector<std::uint32_t> accepted_by(const scene::Scene& scene) {
 struct Shared {
   explicit Shared(const scene::Scene& scene) : packed(handover::pack(scene)) {}
   std::shared_ptr<const handover::PackedScene> packed;
-  std::shared_ptr<Looks> looks = std::make_shared<Looks>();
+  std::shared_ptr<Appearance> appearance = std::make_shared<Appearance>();
 };
 
 MadeEnvironment made(const scene::Scene& scene, const Shared& shared, scene::SceneState state) {
-  return {.environment = std::make_unique<SceneEnvironment>(std::move(state), shared.looks),
+  return {.environment = std::make_unique<SceneEnvironment>(std::move(state), shared.appearance),
           .simulated = summary(scene),
           .hash = scene.facts().hash,
           .packed = shared.packed,

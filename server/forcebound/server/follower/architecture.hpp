@@ -65,7 +65,7 @@ class Architecture {
   virtual ~Architecture() = default;
 
   /// What is known of the robot on a tick.
-  struct Seen {
+  struct Sample {
     Nanoseconds now{0};
     double elapsed_s = 0;      ///< since the tick before
     const ToolTarget& target;  ///< where the leader wants the tool, already limited in speed
@@ -77,7 +77,7 @@ class Architecture {
   };
 
   /// What the robot's impedance controller shall do. Once a tick while the robot follows.
-  [[nodiscard]] virtual ToolTarget ask(const Seen& seen) noexcept = 0;
+  [[nodiscard]] virtual ToolTarget ask(const Sample& sample) noexcept = 0;
 
   /// As of the latest `ask`.
   [[nodiscard]] virtual Reflection reflection() const noexcept = 0;

@@ -39,7 +39,7 @@ class Engagement {
   explicit Engagement(const EngagementTimes& times) noexcept : times_(times) {}
 
   /// As of one tick of the robot.
-  struct Seen {
+  struct Sample {
     Nanoseconds now{0};
     std::optional<Nanoseconds> silent;  ///< since the leader was last heard; none: nobody leads
     bool has_buttons = false;           ///< of the leader
@@ -52,7 +52,7 @@ class Engagement {
     std::string_view exceeded{};  ///< limit of force, speed or place, in a few words; empty: none. Static text
   };
 
-  FollowerState update(const Seen& seen) noexcept;
+  FollowerState update(const Sample& sample) noexcept;
 
   [[nodiscard]] FollowerState state() const noexcept { return state_; }
 
@@ -63,8 +63,8 @@ class Engagement {
   [[nodiscard]] std::string_view why_stopped() const noexcept { return why_; }
 
  private:
-  [[nodiscard]] FollowerState next(const Seen& seen) noexcept;
-  [[nodiscard]] bool operator_engages(const Seen& seen) noexcept;
+  [[nodiscard]] FollowerState next(const Sample& sample) noexcept;
+  [[nodiscard]] bool operator_engages(const Sample& sample) noexcept;
 
   EngagementTimes times_;
   FollowerState state_ = FollowerState::waiting;

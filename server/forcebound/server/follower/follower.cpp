@@ -74,7 +74,7 @@ Follower::Follower(std::unique_ptr<Robot> robot, const FollowerSettings& setting
       needs_sensor_(find_architecture(settings_.architecture).needs_sensor),
       impedance_(robot_->model(), find_architecture(settings.architecture).impedance),
       architecture_(find_architecture(settings.architecture).make(impedance_.settings())),
-      controller_(robot_->facts(), make_law(settings, laws, robot_->facts())),
+      bounder_(robot_->facts(), make_law(settings, laws, robot_->facts())),
       times_(*robot_),
       engagement_(settings.times),
       map_(settings.workspace),
@@ -93,7 +93,7 @@ void Follower::begin_leader() noexcept {
   energy_.begin();
 }
 
-void Follower::hear(const LeaderMotion& motion) noexcept {
+void Follower::receive(const LeaderMotion& motion) noexcept {
   if (motion.position.cwiseAbs().maxCoeff() > kFarthest_m) {
     ++totals_.motions_refused;
     return;
@@ -115,20 +115,20 @@ void Follower::tick(Nanoseconds now) noexcept {
   const device::Reading read = robot_->read(now);
   if (times_.is_held_on(read, now)) return;
   const device::Reading reading = device::usable_or_lost(read, robot_->facts(), now, std::max(now, clock_.now()));
-  if (const auto audit = robot_->audit()) energy_.note(*audit);
-  if (leader_) controller_.receive_energy(energy_.hear(leader_->energy_given_J));
+  if (const auto audit = robot_->audit()) energy_.update(*audit);
+  if (leader_) bounder_.receive_energy(energy_.receive(leader_->energy_given_J));
   times_.begin_choosing(std::max(now, clock_.now()));
   const control::Motion motion = times_.motion_at(reading);
   const bool usable = judge(reading, now);
   const Vector request = usable ? within_rate(torque(reading, now)) : Vector::Zero(reading.position.rows());
   const bool free = usable && !robot_->is_stopped();
-  const Vector chosen = free ? controller_.tick(motion, request) : controller_.release(motion);
+  const Vector chosen = free ? bounder_.tick(motion, request) : bounder_.release(motion);
   const Nanoseconds commanded = std::max(now, clock_.now());
-  const Vector given = controller_.confirmed(chosen, times_.command_at(reading, commanded));
+  const Vector given = bounder_.confirmed(chosen, times_.command_at(reading, commanded));
   robot_->apply(commanded, given);
   given_ = given;
   refused_in_a_row_ = robot_->write_failed() && !robot_->is_stopped() ? refused_in_a_row_ + 1 : 0;
-  note(request, given, now);
+  update_report(request, given, now);
   if (usable) picture(reading, now);
 }
 
@@ -137,12 +137,12 @@ bool Follower::judge(const device::Reading& reading, Nanoseconds now) noexcept {
   const bool usable = reading.status == device::Reading::Status::ok;
   ++totals_.readings[reading.status];
   lost_ = reading.status;
-  note_sensed(now);
+  update_bias(now);
   const auto sensed = bias_.without(robot_->sensed_force());
   if (robot_->is_stopped()) {
     unanswered_.restart();
   } else if (usable) {
-    unanswered_.note(reading, given_, sensed);
+    unanswered_.update(reading, given_, sensed);
   }
   const ImpedanceController::Report& tool = impedance_.report();
   const FollowerState before = engagement_.state();
@@ -186,8 +186,8 @@ bool Follower::judge(const device::Reading& reading, Nanoseconds now) noexcept {
 
 std::string_view Follower::last_error() const noexcept {
   const bool by_robot = lost_ == device::Reading::Status::ok || lost_ == device::Reading::Status::failed;
-  const std::string_view said = robot_->last_error();
-  return by_robot && !said.empty() ? said : control::why(lost_);
+  const std::string_view reason = robot_->last_error();
+  return by_robot && !reason.empty() ? reason : control::why(lost_);
 }
 
 /// Whether it tells where it is and what it touches, and takes commands.
@@ -285,19 +285,19 @@ void Follower::grip(Nanoseconds now) noexcept {
   if (opening) robot_->command_gripper(now, *opening);
 }
 
-void Follower::note_sensed(Nanoseconds now) noexcept {
+void Follower::update_bias(Nanoseconds now) noexcept {
   const FollowerState state = engagement_.state();
   const auto opening = robot_->gripper();
-  bias_.note({.now = now,
-              .sensed = robot_->sensed_force(),
-              .tool_m = impedance_.report().pose.position,
-              .waits = state == FollowerState::waiting,
-              .stands = state == FollowerState::stopped && robot_->is_stopped(),
-              .holds = opening && grip_.holds(*opening)});
+  bias_.update({.now = now,
+                .sensed = robot_->sensed_force(),
+                .tool_m = impedance_.report().pose.position,
+                .waits = state == FollowerState::waiting,
+                .stands = state == FollowerState::stopped && robot_->is_stopped(),
+                .holds = opening && grip_.holds(*opening)});
   report_.bias = bias_.status();
 }
 
-void Follower::note(const Vector& request, const Vector& given, Nanoseconds now) noexcept {
+void Follower::update_report(const Vector& request, const Vector& given, Nanoseconds now) noexcept {
   constexpr double kShortened = 1e-6;
   const FollowerState state = engagement_.state();
   const bool follows = state == FollowerState::following;
@@ -338,7 +338,7 @@ void Follower::picture(const device::Reading& reading, Nanoseconds now) noexcept
                      .leader_has_clutch = leader_ ? std::optional(leader_->handle.buttons.has_value()) : std::nullopt,
                      .lag_m = state == FollowerState::following ? totals_.lag_m : 0,
                      .drift_m = totals_.offset_drift_m,
-                     .store_J = controller_.law().energy_J(),
+                     .store_J = bounder_.law().energy_J(),
                      .received_J = energy_.received_J(),
                      .port = energy_.port(),
                      .grip_waits = state == FollowerState::following && grip_.waits(),
@@ -350,7 +350,7 @@ FollowerTotals Follower::totals() const noexcept {
   totals.received_J = energy_.received_J();
   ReceivedEnergy energy = energy_;
   if (const auto audit = robot_->audit()) {
-    energy.note(*audit);
+    energy.update(*audit);
     totals.audited = true;
   }
   totals.port = energy.port();

@@ -6,8 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include "forcebound/control/force_bounder.hpp"
 #include "forcebound/control/law_registry.hpp"
-#include "forcebound/control/passivity_controller.hpp"
 #include "forcebound/device/command_times.hpp"
 #include "forcebound/server/follower/architecture.hpp"
 #include "forcebound/server/follower/engagement.hpp"
@@ -87,10 +87,10 @@ struct FollowerTotals {
 /// The law is that of the device at the hand, in the robot's joints: the torques can never give the surroundings more
 /// energy than the robot's own joints dissipate and the leader's law gave up (ReceivedEnergy; README.md has the proof).
 ///
-/// `hear`, `leave`, `learn_bias` and `tick` are called on one thread. Time is given: the clock is asked only for how
+/// `receive`, `leave`, `learn_bias` and `tick` are called on one thread. Time is given: the clock is asked only for how
 /// long choosing takes.
 ///
-/// Real time: `hear`, `leave` and `tick` are noexcept and allocate nothing.
+/// Real time: `receive`, `leave` and `tick` are noexcept and allocate nothing.
 class Follower {
  public:
   /// @throws std::invalid_argument naming the setting, its value and what is accepted; also where the architecture
@@ -103,7 +103,7 @@ class Follower {
 
   /// Another leader takes the robot.
   void begin_leader() noexcept;
-  void hear(const LeaderMotion& motion) noexcept;
+  void receive(const LeaderMotion& motion) noexcept;
   void leave() noexcept { leader_.reset(); }
 
   /// Learn the bias of its force sensor now; the report's `bias` answers.
@@ -118,7 +118,7 @@ class Follower {
   [[nodiscard]] FollowerTotals totals() const noexcept;
   [[nodiscard]] const Robot& robot() const noexcept { return *robot_; }
   [[nodiscard]] Robot& robot() noexcept { return *robot_; }
-  [[nodiscard]] const control::PassivityLaw& law() const noexcept { return controller_.law(); }
+  [[nodiscard]] const control::PassivityLaw& law() const noexcept { return bounder_.law(); }
   [[nodiscard]] Nanoseconds period() const noexcept { return period_; }
   /// Why its latest reading or command failed: what the robot says, else why the reading was refused.
   [[nodiscard]] std::string_view last_error() const noexcept;
@@ -135,8 +135,8 @@ class Follower {
   [[nodiscard]] std::optional<Nanoseconds> bias_age(Nanoseconds now) const noexcept;
   [[nodiscard]] Vector within_rate(const Vector& torque) const noexcept;
   void grip(Nanoseconds now) noexcept;
-  void note_sensed(Nanoseconds now) noexcept;
-  void note(const Vector& request, const Vector& given, Nanoseconds now) noexcept;
+  void update_bias(Nanoseconds now) noexcept;
+  void update_report(const Vector& request, const Vector& given, Nanoseconds now) noexcept;
 
   FollowerSettings settings_;
   std::unique_ptr<Robot> robot_;
@@ -145,7 +145,7 @@ class Follower {
   bool needs_sensor_;
   ImpedanceController impedance_;
   std::unique_ptr<Architecture> architecture_;
-  control::PassivityController controller_;
+  control::ForceBounder bounder_;
   device::CommandTimes times_;
   Engagement engagement_;
   WorkspaceMap map_;

@@ -16,14 +16,14 @@ struct Seat {
 
 class FollowerEnvironment final : public Environment {
  public:
-  FollowerEnvironment(std::shared_ptr<FollowerRunner> runner, std::shared_ptr<const FollowerLooks> looks,
+  FollowerEnvironment(std::shared_ptr<FollowerRunner> runner, std::shared_ptr<const FollowerAppearance> appearance,
                       std::shared_ptr<Seat> seat, std::string leader, bool shows_torque)
       : runner_(std::move(runner)),
-        looks_(std::move(looks)),
+        appearance_(std::move(appearance)),
         seat_(std::move(seat)),
         leader_(std::make_shared<const std::string>(std::move(leader))),
         shows_torque_(shows_torque) {
-    take_seat();
+    occupy_seat();
   }
   ~FollowerEnvironment() override {
     if (seat_->holder != this) return;
@@ -35,7 +35,7 @@ class FollowerEnvironment final : public Environment {
 
   [[nodiscard]] Answer respond(const Motion& motion) noexcept override {
     const Eigen::Index rows = motion.position.rows();
-    if (seat_->holder == nullptr) take_seat();
+    if (seat_->holder == nullptr) occupy_seat();
     // Another leader took the robot while this one was silent.
     if (seat_->holder != this) return {.force = Vector::Zero(rows), .follower = control::FollowerState::taken};
     const LeaderMotion leader{.position = motion.position,
@@ -55,16 +55,16 @@ class FollowerEnvironment final : public Environment {
   }
 
   /// Of the whole world: nothing of it is handed over.
-  [[nodiscard]] std::shared_ptr<const view::Description> looks(view::Which /*which*/) override {
-    return looks_ ? looks_->description() : nullptr;
+  [[nodiscard]] std::shared_ptr<const view::Description> appearance(view::Which /*which*/) override {
+    return appearance_ ? appearance_->description() : nullptr;
   }
 
-  [[nodiscard]] std::size_t see(std::size_t group, std::size_t first, std::span<float> to) const noexcept override {
-    return looks_ ? looks_->see(runner_->newest(), group, first, to) : 0;
+  [[nodiscard]] std::size_t sample(std::size_t group, std::size_t first, std::span<float> to) const noexcept override {
+    return appearance_ ? appearance_->sample(runner_->newest(), group, first, to) : 0;
   }
 
  private:
-  void take_seat() noexcept {
+  void occupy_seat() noexcept {
     *seat_ = {.holder = this, .leader = leader_};
     runner_->begin_leader();
   }
@@ -94,7 +94,7 @@ class FollowerEnvironment final : public Environment {
   }
 
   std::shared_ptr<FollowerRunner> runner_;
-  std::shared_ptr<const FollowerLooks> looks_;
+  std::shared_ptr<const FollowerAppearance> appearance_;
   std::shared_ptr<Seat> seat_;
   std::shared_ptr<const std::string> leader_;
   bool shows_torque_;
@@ -109,7 +109,7 @@ StepwiseRunner::StepwiseRunner(std::shared_ptr<Follower> follower, Nanoseconds n
 
 const FollowerReport& StepwiseRunner::exchange(const LeaderMotion& motion) noexcept {
   live_until(motion.arrived);
-  follower_->hear(motion);
+  follower_->receive(motion);
   return follower_->report();
 }
 
@@ -119,20 +119,20 @@ void StepwiseRunner::live_until(Nanoseconds time) noexcept {
 
 EnvironmentKind follower_environment(std::string name, std::string simulated, int degrees_of_freedom,
                                      std::shared_ptr<FollowerRunner> runner,
-                                     std::shared_ptr<const FollowerLooks> looks) {
+                                     std::shared_ptr<const FollowerAppearance> appearance) {
   EnvironmentKind kind;
   kind.name = std::move(name);
   for (int rows = degrees_of_freedom; rows <= 3; ++rows) {
     kind.degrees_of_freedom.push_back(static_cast<std::uint32_t>(rows));
   }
-  kind.make = [seat = std::make_shared<Seat>(), runner = std::move(runner), looks = std::move(looks),
+  kind.make = [seat = std::make_shared<Seat>(), runner = std::move(runner), appearance = std::move(appearance),
                simulated = std::move(simulated)](const ClientFacts& client) {
     if (seat->holder != nullptr && !runner->newest().leader_lost) {
       throw std::runtime_error("the robot is led by '" + *seat->leader + "': it follows one leader at a time");
     }
     const std::string leader = client.device.empty() ? "a device without a name" : client.device;
     return MadeEnvironment{
-        .environment = std::make_unique<FollowerEnvironment>(runner, looks, seat, leader, client.shows_torque),
+        .environment = std::make_unique<FollowerEnvironment>(runner, appearance, seat, leader, client.shows_torque),
         .simulated = simulated,
         .least_rendering = scene::Rendering::modelled,
         .takes_energy = true};

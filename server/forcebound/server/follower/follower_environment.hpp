@@ -7,7 +7,7 @@
 
 #include "forcebound/server/environment/environment.hpp"
 #include "forcebound/server/follower/follower.hpp"
-#include "forcebound/server/follower/follower_looks.hpp"
+#include "forcebound/server/follower/follower_appearance.hpp"
 
 namespace forcebound::server {
 
@@ -57,6 +57,6 @@ class StepwiseRunner final : public FollowerRunner {
 /// @param looks of the robot, as long as the runner lives; null: it is not to be seen
 [[nodiscard]] EnvironmentKind follower_environment(std::string name, std::string simulated, int degrees_of_freedom,
                                                    std::shared_ptr<FollowerRunner> runner,
-                                                   std::shared_ptr<const FollowerLooks> looks = nullptr);
+                                                   std::shared_ptr<const FollowerAppearance> appearance = nullptr);
 
 }  // namespace forcebound::server

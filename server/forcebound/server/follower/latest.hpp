@@ -13,7 +13,7 @@ template <class Value>
 class Latest {
  public:
   /// By the writer.
-  void tell(const Value& value) noexcept {
+  void store(const Value& value) noexcept {
     places_[writes_] = value;
     writes_ = between_.exchange(writes_ | kNew, std::memory_order_acq_rel) & kPlace;
   }

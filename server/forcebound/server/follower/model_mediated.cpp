@@ -30,22 +30,22 @@ class ModelMediated final : public Architecture {
  public:
   explicit ModelMediated(const ImpedanceSettings& impedance) noexcept : force_N_max_(impedance.force_N_max) {}
 
-  [[nodiscard]] ToolTarget ask(const Seen& seen) noexcept override {
-    const std::uint32_t before = told_id();
-    const Eigen::Vector3d sensed_N = seen.sensed.value_or(Vector6::Zero()).head<3>();
-    const FeltSurface& felt = estimator_.update(seen.now, seen.tool.position, seen.velocity.head<3>(), sensed_N);
-    if (!is_told()) return seen.target;
-    const double depth_m = (felt.place_m - seen.target.pose.position).dot(felt.normal);
-    if (told_id() != before && seen.sensed) {
+  [[nodiscard]] ToolTarget ask(const Sample& sample) noexcept override {
+    const std::uint32_t before = reported_id();
+    const Eigen::Vector3d sensed_N = sample.sensed.value_or(Vector6::Zero()).head<3>();
+    const FeltSurface& felt = estimator_.update(sample.now, sample.tool.position, sample.velocity.head<3>(), sensed_N);
+    if (!is_reported()) return sample.target;
+    const double depth_m = (felt.place_m - sample.target.pose.position).dot(felt.normal);
+    if (reported_id() != before && sample.sensed) {
       ease_m_ = std::max(0.0, depth_m - sensed_N.norm() / felt.stiffness_N_per_m);
     }
-    ease_m_ = std::clamp(ease_m_ - kEase_m_per_s * seen.elapsed_s, 0.0, std::max(0.0, depth_m));
-    ToolTarget asked = seen.target;
+    ease_m_ = std::clamp(ease_m_ - kEase_m_per_s * sample.elapsed_s, 0.0, std::max(0.0, depth_m));
+    ToolTarget asked = sample.target;
     if (depth_m > 0) {
       // Where a surface of that stiffness gives way to, under that force.
       asked.pose.position += ease_m_ * felt.normal;
-      if ((seen.tool.position - felt.place_m).dot(felt.normal) < kNear_m) {
-        asked.push_N = -held_N(pressed_N(depth_m - ease_m_), seen) * felt.normal;
+      if ((sample.tool.position - felt.place_m).dot(felt.normal) < kNear_m) {
+        asked.push_N = -held_N(pressed_N(depth_m - ease_m_), sample) * felt.normal;
       }
     }
     return asked;
@@ -58,7 +58,7 @@ class ModelMediated final : public Architecture {
 
   [[nodiscard]] Reflection reflection() const noexcept override {
     Reflection told{.force_N_max = force_N_max_};
-    if (!is_told()) return told;
+    if (!is_reported()) return told;
     const FeltSurface& felt = estimator_.surface();
     told.plane = ReflectedPlane{.id = felt.id,
                                 .place_m = felt.place_m - ease_m_ * felt.normal,
@@ -69,24 +69,24 @@ class ModelMediated final : public Architecture {
   }
 
  private:
-  [[nodiscard]] bool is_told() const noexcept {
+  [[nodiscard]] bool is_reported() const noexcept {
     const FeltSurface& felt = estimator_.surface();
     return felt.known && felt.certainty >= kCertaintyLeast;
   }
-  [[nodiscard]] std::uint32_t told_id() const noexcept { return is_told() ? estimator_.surface().id : 0; }
+  [[nodiscard]] std::uint32_t reported_id() const noexcept { return is_reported() ? estimator_.surface().id : 0; }
   [[nodiscard]] double pressed_N(double depth_m) const noexcept {
     return std::clamp(estimator_.surface().stiffness_N_per_m * depth_m, 0.0, force_N_max_);
   }
 
   /// The force to ask for so that the sensor feels the one wanted: the robot's own friction holds some of it back.
-  [[nodiscard]] double held_N(double wanted_N, const Seen& seen) noexcept {
-    if (!seen.sensed || !estimator_.surface().touched) {
+  [[nodiscard]] double held_N(double wanted_N, const Sample& sample) noexcept {
+    if (!sample.sensed || !estimator_.surface().touched) {
       held_back_N_ = 0;
       return wanted_N;
     }
-    const double missing_N = wanted_N + seen.sensed->head<3>().dot(estimator_.surface().normal);
+    const double missing_N = wanted_N + sample.sensed->head<3>().dot(estimator_.surface().normal);
     held_back_N_ =
-        std::clamp(held_back_N_ + kForceLoop_per_s * seen.elapsed_s * missing_N, -kHeldBackMost_N, kHeldBackMost_N);
+        std::clamp(held_back_N_ + kForceLoop_per_s * sample.elapsed_s * missing_N, -kHeldBackMost_N, kHeldBackMost_N);
     return std::max(0.0, wanted_N + held_back_N_);
   }
 

@@ -14,9 +14,9 @@ class PositionForce final : public Architecture {
   explicit PositionForce(const ImpedanceSettings& impedance) noexcept
       : force_N_max_(impedance.force_N_max), torque_N_m_max_(largest_torque_N_m(impedance)) {}
 
-  [[nodiscard]] ToolTarget ask(const Seen& seen) noexcept override {
-    sensed_ = seen.sensed.value_or(Vector6::Zero());
-    return seen.target;
+  [[nodiscard]] ToolTarget ask(const Sample& sample) noexcept override {
+    sensed_ = sample.sensed.value_or(Vector6::Zero());
+    return sample.target;
   }
   [[nodiscard]] Reflection reflection() const noexcept override {
     return {.force_N = -sensed_.head<3>(),

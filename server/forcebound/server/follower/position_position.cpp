@@ -13,9 +13,9 @@ class PositionPosition final : public Architecture {
  public:
   explicit PositionPosition(const ImpedanceSettings& impedance) noexcept : impedance_(impedance) {}
 
-  [[nodiscard]] ToolTarget ask(const Seen& seen) noexcept override {
-    tool_ = seen.tool;
-    return seen.target;
+  [[nodiscard]] ToolTarget ask(const Sample& sample) noexcept override {
+    tool_ = sample.tool;
+    return sample.target;
   }
 
   [[nodiscard]] Reflection reflection() const noexcept override {

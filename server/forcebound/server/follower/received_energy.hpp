@@ -27,13 +27,13 @@ class ReceivedEnergy {
   explicit ReceivedEnergy(const Settings& settings) noexcept : settings_(settings) {}
 
   /// Another leader: its sum begins with the first that is heard.
-  void begin() noexcept { heard_J_.reset(); }
+  void begin() noexcept { received_J_.reset(); }
 
   /// What is new, for the robot's law [J].
-  [[nodiscard]] double hear(double given_J) noexcept {
-    const double before_J = heard_J_.value_or(given_J);
+  [[nodiscard]] double receive(double given_J) noexcept {
+    const double before_J = received_J_.value_or(given_J);
     const double more_J = std::min(settings_.power_scale * std::max(0.0, given_J - before_J), settings_.most_J);
-    heard_J_ = std::max(before_J, given_J);
+    received_J_ = std::max(before_J, given_J);
     sum_.add(more_J);
     return more_J;
   }
@@ -42,7 +42,7 @@ class ReceivedEnergy {
   [[nodiscard]] double received_J() const noexcept { return sum_.value_J(); }
 
   /// To be called with the robot's own balance on each tick, before what is new since the last one is heard.
-  void note(const control::PassivityAudit& robot) noexcept {
+  void update(const control::PassivityAudit& robot) noexcept {
     port_.energy_J = robot.energy_J + received_J();
     // Between two ticks A_F stays, so that P_F is least where the robot's own balance is.
     if (robot.minimum_J < robot_minimum_J_) port_.minimum_J = std::min(port_.minimum_J, robot.minimum_J + received_J());
@@ -56,7 +56,7 @@ class ReceivedEnergy {
 
  private:
   Settings settings_;
-  std::optional<double> heard_J_;
+  std::optional<double> received_J_;
   control::EnergySum sum_;
   double robot_minimum_J_ = 0;
   control::PassivityAudit port_;

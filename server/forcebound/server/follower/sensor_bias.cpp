@@ -25,24 +25,24 @@ void SensorBias::command(Nanoseconds now) noexcept {
   count_ = 0;
 }
 
-void SensorBias::note(const Seen& seen) noexcept {
+void SensorBias::update(const Sample& sample) noexcept {
   if (commanded_ && !has_sensor_) return give(Answer::no_sensor);
-  if (commanded_ && seen.now - *commanded_ > kCommandMost) return give(Answer::no_samples);
-  if (!seen.sensed || seen.sensed->sampled == last_) return;
-  smooth(*seen.sensed);
-  if (seen.waits) return learn(wrench_of(*seen.sensed), seen.now, true);
-  if (seen.holds) {
-    anchor_ = {.tool_m = seen.tool_m, .wrench = smoothed_};
+  if (commanded_ && sample.now - *commanded_ > kCommandMost) return give(Answer::no_samples);
+  if (!sample.sensed || sample.sensed->sampled == last_) return;
+  smooth(*sample.sensed);
+  if (sample.waits) return learn(wrench_of(*sample.sensed), sample.now, true);
+  if (sample.holds) {
+    anchor_ = {.tool_m = sample.tool_m, .wrench = smoothed_};
   } else {
-    look_for_free_motion(seen.tool_m);
+    look_for_free_motion(sample.tool_m);
   }
-  const bool touches = seen.holds || differs(smoothed_, untouched_, 1);
+  const bool touches = sample.holds || differs(smoothed_, untouched_, 1);
   if (touches) count_ = 0;
   if (touches && commanded_) {
-    give(seen.holds ? Answer::holds : Answer::touches, (smoothed_ - untouched_).head<3>().norm());
+    give(sample.holds ? Answer::holds : Answer::touches, (smoothed_ - untouched_).head<3>().norm());
   }
   if (touches) return;
-  if (seen.stands || commanded_) return learn(wrench_of(*seen.sensed), seen.now, false);
+  if (sample.stands || commanded_) return learn(wrench_of(*sample.sensed), sample.now, false);
   count_ = 0;
 }
 

@@ -40,7 +40,7 @@ class SensorBias {
   explicit SensorBias(const std::optional<ForceSensorFacts>& facts) noexcept;
 
   /// As of one tick of the robot.
-  struct Seen {
+  struct Sample {
     Nanoseconds now{0};
     std::optional<SensedForce> sensed{};
     Eigen::Vector3d tool_m{Eigen::Vector3d::Zero()};
@@ -48,7 +48,7 @@ class SensorBias {
     bool stands = false;  ///< stopped
     bool holds = false;   ///< its gripper is kept open by something
   };
-  void note(const Seen& seen) noexcept;
+  void update(const Sample& sample) noexcept;
 
   /// Learn it now: `answer` tells what came of it, within kCommandMost.
   void command(Nanoseconds now) noexcept;

@@ -33,14 +33,14 @@ void UnansweredTorque::restart() noexcept {
   frozen_ = false;
 }
 
-void UnansweredTorque::note(const device::Reading& reading, const Vector& given,
-                            const std::optional<Vector6>& sensed) noexcept {
+void UnansweredTorque::update(const device::Reading& reading, const Vector& given,
+                              const std::optional<Vector6>& sensed) noexcept {
   const double elapsed_s = latched_ ? time::to_seconds(reading.latched - *latched_) : 0;
   if (latched_ && !(elapsed_s > 0)) return;
   latched_ = reading.latched;
   Vector net = given;
   if (sensed) net -= robot_.model().jacobian(reading.joint).transpose() * *sensed;
-  repeats_.note(reading.joint, elapsed_s);
+  repeats_.add(reading.joint, elapsed_s);
   if (still_s() == 0) {
     lowest_ = net;
     highest_ = net;

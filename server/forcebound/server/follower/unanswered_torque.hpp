@@ -32,7 +32,7 @@ class UnansweredTorque {
 
   /// @param reading usable @param given torques since the reading before
   /// @param sensed force [N] above torque about the tool's point [N m], if there is a sensor
-  void note(const device::Reading& reading, const Vector& given, const std::optional<Vector6>& sensed) noexcept;
+  void update(const device::Reading& reading, const Vector& given, const std::optional<Vector6>& sensed) noexcept;
 
   /// What was seen so far tells nothing of what comes: its brakes held.
   void restart() noexcept;

@@ -126,21 +126,21 @@ std::string DriverRobot::facts_in_words() const {
 }
 
 device::Reading DriverRobot::read(Nanoseconds now) noexcept {
-  take_stop_from_outside();
+  apply_stop_from_outside();
   forcebound_robot_reading told{};
   told.size = sizeof told;
   const int result = opened_.call("read_robot", table().read_robot, now.count(), &told);
-  if (result == FORCEBOUND_OK || result == FORCEBOUND_STALE) note_reports(told, now);
+  if (result == FORCEBOUND_OK || result == FORCEBOUND_STALE) store_reports(told, now);
   forget_old_sample(now);
   if (result == FORCEBOUND_OK) return reading_of(told, now);
   if (result == FORCEBOUND_STALE) return without_reading(device::Reading::Status::stale);
-  note_failure(result, "no reading");
+  store_failure(result, "no reading");
   return without_reading(device::Reading::Status::failed);
 }
 
-void DriverRobot::note_failure(int result, std::string_view what) noexcept {
+void DriverRobot::store_failure(int result, std::string_view what) noexcept {
   const bool unplugged = result == FORCEBOUND_UNPLUGGED;
-  if (!opened_.note_failure(unplugged ? "the robot is unplugged" : what) && !unplugged) ++counters_.unexplained;
+  if (!opened_.store_failure(unplugged ? "the robot is unplugged" : what) && !unplugged) ++counters_.unexplained;
 }
 
 device::Reading DriverRobot::reading_of(const forcebound_robot_reading& told, Nanoseconds now) noexcept {
@@ -169,26 +169,26 @@ device::Reading DriverRobot::reading_of(const forcebound_robot_reading& told, Na
 }
 
 /// What else it tells, as far as that can be true.
-void DriverRobot::note_reports(const forcebound_robot_reading& told, Nanoseconds now) noexcept {
+void DriverRobot::store_reports(const forcebound_robot_reading& told, Nanoseconds now) noexcept {
   if ((told.has & FORCEBOUND_HAS_EFFECTIVE) != 0 && !stopped_) {
     effective_at_ = told.effective_ns > 0 ? std::optional(Nanoseconds{told.effective_ns}) : std::nullopt;
     released_at_ = told.released_ns > 0 ? std::optional(Nanoseconds{told.released_ns}) : std::nullopt;
   }
   if ((told.has & FORCEBOUND_HAS_GRIPPER) != 0 && told.gripper >= 0 && told.gripper <= 1) gripper_ = told.gripper;
-  if ((told.has & FORCEBOUND_HAS_SENSED) != 0 && about_.sensor) note_sensed(told, now);
+  if ((told.has & FORCEBOUND_HAS_SENSED) != 0 && about_.sensor) store_sensed(told, now);
   const bool energy = std::isfinite(told.energy_J) && std::isfinite(told.energy_J_least);
   if ((told.has & FORCEBOUND_HAS_ENERGY) != 0 && energy) {
     audit_ = control::PassivityAudit{.energy_J = told.energy_J, .minimum_J = told.energy_J_least};
   }
   if ((told.has & FORCEBOUND_IS_STOPPED) != 0) {
-    note_stopped(now);
+    apply_stop(now);
   } else if (resumed_) {
     stopped_ = false;
     resumed_.reset();
   }
 }
 
-void DriverRobot::note_sensed(const forcebound_robot_reading& told, Nanoseconds now) noexcept {
+void DriverRobot::store_sensed(const forcebound_robot_reading& told, Nanoseconds now) noexcept {
   const Eigen::Map<const Eigen::Vector3d> force(told.force_N);
   const Eigen::Map<const Eigen::Vector3d> torque(told.torque_N_m);
   const Nanoseconds sampled{told.sensed_ns};
@@ -203,12 +203,12 @@ void DriverRobot::note_sensed(const forcebound_robot_reading& told, Nanoseconds 
 void DriverRobot::forget_old_sample(Nanoseconds now) noexcept {
   if (!sensed_ || now - sensed_->sampled <= sample_counts_) return;
   sensed_.reset();
-  opened_.note_error("its force sensor tells nothing new");
+  opened_.store_error("its force sensor tells nothing new");
 }
 
-void DriverRobot::note_stopped(Nanoseconds now) noexcept {
+void DriverRobot::apply_stop(Nanoseconds now) noexcept {
   if (!stopped_) {
-    opened_.note_error("the robot stopped itself");
+    opened_.store_error("the robot stopped itself");
     write_failed_ = true;
     // When it began to release the torque, as it tells; else until now at most.
     if (!released_at_) released_at_ = now;
@@ -231,12 +231,12 @@ device::Reading DriverRobot::without_reading(device::Reading::Status status) con
 }
 
 device::Reading DriverRobot::refused(device::Reading::Status status, std::string_view why) noexcept {
-  opened_.note_error(why);
+  opened_.store_error(why);
   return without_reading(status);
 }
 
 void DriverRobot::apply(Nanoseconds now, const Vector& torque) noexcept {
-  take_stop_from_outside();
+  apply_stop_from_outside();
   if (stopped_) {
     write_failed_ = true;
     const bool opens = resumed_ && times_.newest();
@@ -278,7 +278,7 @@ bool DriverRobot::command(Nanoseconds now, const Vector& torque) noexcept {
       opened_.call("command_robot", table().command_robot, static_cast<const forcebound_robot_command*>(&command));
   if (result == FORCEBOUND_OK) return true;
   ++counters_.failed_writes;
-  note_failure(result, "the command failed");
+  store_failure(result, "the command failed");
   return false;
 }
 
@@ -302,7 +302,7 @@ void DriverRobot::resume(Nanoseconds now) noexcept {
   if (result == FORCEBOUND_OK) {
     resumed_ = now;
   } else {
-    (void)opened_.note_failure("its brakes do not open");
+    (void)opened_.store_failure("its brakes do not open");
     // Or they might open later, with nobody to hold the arm.
     (void)opened_.stop();
   }
@@ -313,9 +313,9 @@ void DriverRobot::stop(Nanoseconds /*now*/) noexcept {
   (void)opened_.stop();
 }
 
-void DriverRobot::take_stop_from_outside() noexcept {
+void DriverRobot::apply_stop_from_outside() noexcept {
   if (!stopped_from_outside_.exchange(false, std::memory_order_acq_rel)) return;
-  opened_.note_error(
+  opened_.store_error(
       "its driver did not return from a call, or its loop got no time, for as long as the robot holds a torque");
   // The call that was in progress may have ended after that stop, with a torque or open brakes.
   (void)opened_.stop();

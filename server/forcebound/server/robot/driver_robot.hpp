@@ -66,16 +66,16 @@ class DriverRobot final : public Robot {
 
  private:
   [[nodiscard]] const forcebound_driver& table() const noexcept { return opened_.functions(); }
-  void take_stop_from_outside() noexcept;
+  void apply_stop_from_outside() noexcept;
   [[nodiscard]] device::Reading reading_of(const forcebound_robot_reading& told, Nanoseconds now) noexcept;
-  void note_reports(const forcebound_robot_reading& told, Nanoseconds now) noexcept;
-  void note_sensed(const forcebound_robot_reading& told, Nanoseconds now) noexcept;
+  void store_reports(const forcebound_robot_reading& told, Nanoseconds now) noexcept;
+  void store_sensed(const forcebound_robot_reading& told, Nanoseconds now) noexcept;
   void forget_old_sample(Nanoseconds now) noexcept;
-  void note_stopped(Nanoseconds now) noexcept;
+  void apply_stop(Nanoseconds now) noexcept;
   [[nodiscard]] bool command(Nanoseconds now, const Vector& torque) noexcept;
   [[nodiscard]] device::Reading without_reading(device::Reading::Status status) const noexcept;
   [[nodiscard]] device::Reading refused(device::Reading::Status status, std::string_view why) noexcept;
-  void note_failure(int result, std::string_view what) noexcept;
+  void store_failure(int result, std::string_view what) noexcept;
 
   driver::OpenedDriver opened_;
   RobotDescription about_;

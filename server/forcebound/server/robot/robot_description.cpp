@@ -18,9 +18,9 @@ constexpr double kLatencyMost_s = 0.01;
 constexpr double kMost = 1e6;
 
 /// Checks of the numbers that a driver tells.
-class ToldRobot {
+class CheckedRobot {
  public:
-  ToldRobot(const forcebound_robot& told, const std::string& driver) : told_(told), driver_(driver) {}
+  CheckedRobot(const forcebound_robot& told, const std::string& driver) : robot_(told), driver_(driver) {}
 
   [[noreturn]] void refuse(const std::string& what, const std::string& accepted, double got) const {
     throw std::runtime_error("driver '" + driver_ + "': its robot's " + what + " must be " + accepted + ", got " +
@@ -37,8 +37,8 @@ class ToldRobot {
   /// A row for each joint.
   template <class Check>
   Vector rows(const std::string& what, const double* values, const Check& check) const {
-    Vector rows(told_.joints);
-    for (int i = 0; i < told_.joints; ++i) rows[i] = check(of_joint(what, i), values[i]);
+    Vector rows(robot_.joints);
+    for (int i = 0; i < robot_.joints; ++i) rows[i] = check(of_joint(what, i), values[i]);
     return rows;
   }
   Vector positive_rows(const std::string& what, const double* values) const {
@@ -54,16 +54,16 @@ class ToldRobot {
     for (int i = 0; i < 3; ++i) (void)within(what, values[i], -1000, 1000);
     return {values[0], values[1], values[2]};
   }
-  ToldJoint joint(int number) const {
+  DescribedJoint joint(int number) const {
     const auto i = static_cast<std::size_t>(number);
-    ToldJoint joint;
-    joint.axis = vector(of_joint("axis", number), told_.axis[i]);
+    DescribedJoint joint;
+    joint.axis = vector(of_joint("axis", number), robot_.axis[i]);
     if (joint.axis.isZero(0)) refuse(of_joint("axis", number), "a direction", 0);
-    joint.point_m = vector(of_joint("point_m", number), told_.point_m[i]);
-    joint.centre_m = vector(of_joint("centre_m", number), told_.centre_m[i]);
-    joint.mass_kg = positive(of_joint("mass_kg", number), told_.mass_kg[i]);
-    joint.rotor_kg_m2 = within(of_joint("rotor_kg_m2", number), told_.rotor_kg_m2[i], 0, kMost);
-    const double* const inertia = told_.inertia_kg_m2[i];
+    joint.point_m = vector(of_joint("point_m", number), robot_.point_m[i]);
+    joint.centre_m = vector(of_joint("centre_m", number), robot_.centre_m[i]);
+    joint.mass_kg = positive(of_joint("mass_kg", number), robot_.mass_kg[i]);
+    joint.rotor_kg_m2 = within(of_joint("rotor_kg_m2", number), robot_.rotor_kg_m2[i], 0, kMost);
+    const double* const inertia = robot_.inertia_kg_m2[i];
     for (int k = 0; k < 6; ++k) (void)within(of_joint("inertia_kg_m2", number), inertia[k], -kMost, kMost);
     joint.inertia_kg_m2 << inertia[0], inertia[3], inertia[4], inertia[3], inertia[1], inertia[5], inertia[4],
         inertia[5], inertia[2];
@@ -74,11 +74,11 @@ class ToldRobot {
   static std::string of_joint(const std::string& what, int number) {
     return what + " of joint " + std::to_string(number + 1);
   }
-  const forcebound_robot& told_;
+  const forcebound_robot& robot_;
   const std::string& driver_;
 };
 
-control::DeviceFacts joint_facts(const forcebound_robot& told, const ToldRobot& checks, const std::string& driver) {
+control::DeviceFacts joint_facts(const forcebound_robot& told, const CheckedRobot& checks, const std::string& driver) {
   control::DeviceFacts facts;
   const std::string_view name(told.name, ::strnlen(told.name, sizeof told.name));
   facts.name = text::printable(name.empty() ? std::string_view(driver) : name);
@@ -97,10 +97,10 @@ control::DeviceFacts joint_facts(const forcebound_robot& told, const ToldRobot& 
 
 }  // namespace
 
-std::vector<ChainLink> links_of(const std::vector<ToldJoint>& joints) {
+std::vector<ChainLink> links_of(const std::vector<DescribedJoint>& joints) {
   std::vector<ChainLink> links;
   Eigen::Vector3d before = Eigen::Vector3d::Zero();
-  for (const ToldJoint& joint : joints) {
+  for (const DescribedJoint& joint : joints) {
     ChainLink link;
     link.from_before = Eigen::Translation3d(joint.point_m - before);
     link.axis = joint.axis.normalized();
@@ -114,7 +114,7 @@ std::vector<ChainLink> links_of(const std::vector<ToldJoint>& joints) {
   return links;
 }
 
-Eigen::Isometry3d tool_of(const std::vector<ToldJoint>& joints, const Eigen::Vector3d& tool_m,
+Eigen::Isometry3d tool_of(const std::vector<DescribedJoint>& joints, const Eigen::Vector3d& tool_m,
                           const Eigen::Vector3d& tool_rad) {
   Eigen::Isometry3d tool{Eigen::Translation3d(tool_m - joints.back().point_m)};
   if (tool_rad.norm() > 0) tool.linear() = Eigen::AngleAxisd(tool_rad.norm(), tool_rad.normalized()).matrix();
@@ -139,14 +139,14 @@ std::string refusal_of(const RobotDescription& robot) {
   return mass.info() == Eigen::Success ? "" : "its masses must make moving each joint cost energy";
 }
 
-void take_facts_from_limits(RobotDescription& robot) {
+void set_facts_from_limits(RobotDescription& robot) {
   constexpr double kFastestOfLargest = 4;
   robot.facts.force_N_max = robot.chain.limits.torque_max.norm();
   robot.facts.speed_max = kFastestOfLargest * robot.chain.limits.speed_max;
 }
 
 RobotDescription description_of(const forcebound_robot& told, const std::string& driver) {
-  const ToldRobot checks(told, driver);
+  const CheckedRobot checks(told, driver);
   if (told.joints < 1 || told.joints > control::kJointsMax) {
     checks.refuse("joints", "from 1 to " + std::to_string(control::kJointsMax), told.joints);
   }
@@ -155,7 +155,7 @@ RobotDescription description_of(const forcebound_robot& told, const std::string&
   robot.brakes = told.brakes != 0;
   robot.compensates_gravity = told.gravity == 0;
   robot.chain.name = robot.facts.name;
-  std::vector<ToldJoint> joints;
+  std::vector<DescribedJoint> joints;
   joints.reserve(static_cast<std::size_t>(told.joints));
   for (int i = 0; i < told.joints; ++i) joints.push_back(checks.joint(i));
   robot.chain.links = links_of(joints);
@@ -169,7 +169,7 @@ RobotDescription description_of(const forcebound_robot& told, const std::string&
       .torque_rate_max = checks.not_negative_rows("torque_rate_max", told.torque_rate_max),
       .tool_speed_m_per_s_max = checks.positive("tool_speed_m_per_s_max", told.tool_speed_m_per_s_max),
       .tool_turn_rad_per_s_max = checks.positive("tool_turn_rad_per_s_max", told.tool_turn_rad_per_s_max)};
-  take_facts_from_limits(robot);
+  set_facts_from_limits(robot);
   if (told.sensor_period_s != 0) {
     robot.sensor = {.period = time::from_seconds(checks.within("sensor_period_s", told.sensor_period_s, 1e-5, 0.1)),
                     .noise_N_sd = checks.within("sensor_N_sd", told.sensor_N_sd, 0, kMost),

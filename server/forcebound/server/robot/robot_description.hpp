@@ -24,7 +24,7 @@ struct RobotDescription {
 };
 
 /// A robot's joint as drivers and files tell it: base frame, all joints at zero.
-struct ToldJoint {
+struct DescribedJoint {
   Eigen::Vector3d axis{0, 0, 1};
   Eigen::Vector3d point_m{Eigen::Vector3d::Zero()};
   Eigen::Vector3d centre_m{Eigen::Vector3d::Zero()};
@@ -34,15 +34,15 @@ struct ToldJoint {
 };
 
 /// Links as SerialChain has them: with frames whose axes are the base's where all joints are at zero.
-[[nodiscard]] std::vector<ChainLink> links_of(const std::vector<ToldJoint>& joints);
+[[nodiscard]] std::vector<ChainLink> links_of(const std::vector<DescribedJoint>& joints);
 
 /// The tool in the last link's frame.
-[[nodiscard]] Eigen::Isometry3d tool_of(const std::vector<ToldJoint>& joints, const Eigen::Vector3d& tool_m,
+[[nodiscard]] Eigen::Isometry3d tool_of(const std::vector<DescribedJoint>& joints, const Eigen::Vector3d& tool_m,
                                         const Eigen::Vector3d& tool_rad);
 
 /// The facts that follow from the joints' limits: the largest torque, and the speed beyond which a reading is not
 /// believed, four times the largest of a joint.
-void take_facts_from_limits(RobotDescription& robot);
+void set_facts_from_limits(RobotDescription& robot);
 
 /// What holds beyond the ranges of single numbers. @return why it is refused; empty: it is not
 [[nodiscard]] std::string refusal_of(const RobotDescription& robot);

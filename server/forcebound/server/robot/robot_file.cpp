@@ -45,8 +45,8 @@ JointNumbers read_numbers(CheckedTable& table) {
   return joint;
 }
 
-ToldJoint read_link(CheckedTable& table) {
-  ToldJoint joint;
+DescribedJoint read_link(CheckedTable& table) {
+  DescribedJoint joint;
   joint.axis = point(table, "axis");
   if (joint.axis.isZero(0)) table.refuse("axis", "a direction, three numbers of which one is not 0");
   joint.point_m = point(table, "point_m");
@@ -65,7 +65,7 @@ Vector all_of(const std::vector<JointNumbers>& joints, double JointNumbers::*num
 
 void read_joints(CheckedTable& file, RobotDescription& robot) {
   std::vector<JointNumbers> numbers;
-  std::vector<ToldJoint> links;
+  std::vector<DescribedJoint> links;
   file.each("joint", [&](CheckedTable& table, const std::string&) {
     numbers.push_back(read_numbers(table));
     links.push_back(read_link(table));
@@ -116,7 +116,7 @@ void read_facts(CheckedTable& file, RobotDescription& robot) {
   robot.compensates_gravity = file.flag("compensates_gravity", true);
   robot.chain.limits.tool_speed_m_per_s_max = file.number(positive("tool_speed_m_per_s_max"));
   robot.chain.limits.tool_turn_rad_per_s_max = file.number(positive("tool_turn_rad_per_s_max"));
-  take_facts_from_limits(robot);
+  set_facts_from_limits(robot);
 }
 
 }  // namespace

@@ -51,19 +51,19 @@ FollowerThread::~FollowerThread() {
 }
 
 void FollowerThread::begin_leader() noexcept {
-  tells_ = {.leader = tells_.leader + 1, .leads = true, .bias_commands = tells_.bias_commands};
-  told_.tell(tells_);
+  input_ = {.leader = input_.leader + 1, .leads = true, .bias_commands = input_.bias_commands};
+  inputs_.store(input_);
 }
 
 void FollowerThread::leave() noexcept {
-  tells_ = {.leader = tells_.leader + 1, .bias_commands = tells_.bias_commands};
-  told_.tell(tells_);
+  input_ = {.leader = input_.leader + 1, .bias_commands = input_.bias_commands};
+  inputs_.store(input_);
 }
 
 const FollowerReport& FollowerThread::exchange(const LeaderMotion& motion) noexcept {
-  tells_.moved = true;
-  tells_.motion = motion;
-  told_.tell(tells_);
+  input_.moved = true;
+  input_.motion = motion;
+  inputs_.store(input_);
   return newest();
 }
 
@@ -77,8 +77,8 @@ const FollowerReport& FollowerThread::newest() noexcept {
 }
 
 void FollowerThread::learn_bias() noexcept {
-  ++tells_.bias_commands;
-  told_.tell(tells_);
+  ++input_.bias_commands;
+  inputs_.store(input_);
 }
 
 std::optional<StateChange> FollowerThread::take_change() noexcept {
@@ -116,7 +116,7 @@ void FollowerThread::run(const std::stop_token& stopping) {
   std::uint64_t allocations_before = 0;
   Nanoseconds now = timer.wait();
   for (; !stopping.stop_requested(); now = timer.wait()) {
-    hear(now);
+    receive(now);
     tick(now);
     if (++ticks == kSettlingTicks) allocations_before = time::heap_operations_of_this_thread();
   }
@@ -124,7 +124,7 @@ void FollowerThread::run(const std::stop_token& stopping) {
   outcome_.last = state_;
   // Nobody leads any more: what moves is stopped by its own brakes.
   follower_->leave();
-  heard_.reset();
+  last_received_.reset();
   follower_->stop(now);
   const Nanoseconds until = now + settings_.stop_most;
   do {
@@ -138,42 +138,42 @@ void FollowerThread::run(const std::stop_token& stopping) {
   over_ = true;
 }
 
-void FollowerThread::hear(Nanoseconds now) noexcept {
-  const Told* const told = told_.take();
-  if (told == nullptr) return;
-  if (told->bias_commands != std::exchange(bias_commands_, told->bias_commands)) follower_->learn_bias(now);
-  if (told->leader != leader_) {
-    leader_ = told->leader;
-    heard_.reset();
+void FollowerThread::receive(Nanoseconds now) noexcept {
+  const Input* const input = inputs_.take();
+  if (input == nullptr) return;
+  if (input->bias_commands != std::exchange(bias_commands_, input->bias_commands)) follower_->learn_bias(now);
+  if (input->leader != leader_) {
+    leader_ = input->leader;
+    last_received_.reset();
     follower_->begin_leader();
   }
-  if (!told->leads || !told->moved) return;
-  heard_ = told->motion.arrived;
-  follower_->hear(told->motion);
+  if (!input->leads || !input->moved) return;
+  last_received_ = input->motion.arrived;
+  follower_->receive(input->motion);
 }
 
 void FollowerThread::tick(Nanoseconds now) noexcept {
-  wake_ups_.note(now);
-  if (guard_) guard_->note_tick(clock_.now());
+  wake_ups_.add(now);
+  if (guard_) guard_->store_tick_time(clock_.now());
   follower_->tick(now);
-  reports_.tell(follower_->report());
-  note_state(now);
+  reports_.store(follower_->report());
+  queue_state_change(now);
 }
 
-void FollowerThread::note_state(Nanoseconds now) noexcept {
+void FollowerThread::queue_state_change(Nanoseconds now) noexcept {
   const FollowerState state = follower_->report().state;
   if (state == state_) return;
   StateChange change{.from = state_,
                      .to = state,
                      .at = now,
                      .lasted = now - state_since_,
-                     .silent = heard_ ? std::optional(now - *heard_) : std::nullopt,
+                     .silent = last_received_ ? std::optional(now - *last_received_) : std::nullopt,
                      .why_stopped = follower_->totals().why_stopped,
                      .grip_waits = follower_->report().picture.grip_waits,
                      .bias_age = follower_->report().picture.bias_age};
   if (change.by_robot()) {
-    const std::string_view said = follower_->last_error();
-    std::copy_n(said.begin(), std::min(said.size(), change.said.size() - 1), change.said.begin());
+    const std::string_view error = follower_->last_error();
+    std::copy_n(error.begin(), std::min(error.size(), change.robot_error.size() - 1), change.robot_error.begin());
   }
   if (!changes_->queue.push(change)) ++outcome_.changes_lost;
   outcome_.in_state[state_] += change.lasted;

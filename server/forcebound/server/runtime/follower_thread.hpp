@@ -32,7 +32,7 @@ struct StateChange {
   Nanoseconds lasted{0};                  ///< how long it was in the state before
   std::optional<Nanoseconds> silent{};    ///< since the leader was last heard; none: nobody leads
   std::string_view why_stopped{};         ///< last, in a few words; empty: it never did. Static text
-  std::array<char, 160> said{};           ///< by the robot, where it failed or stopped by itself; ends with a zero
+  std::array<char, 160> robot_error{};    ///< by the robot, where it failed or stopped by itself; ends with a zero
   bool grip_waits = false;                ///< the gripper, until the operator's own grip has met where it stands
   std::optional<Nanoseconds> bias_age{};  ///< since its force sensor's bias was learned
 
@@ -111,7 +111,7 @@ class FollowerThread final : public FollowerRunner {
 
  private:
   /// By the server to the robot.
-  struct Told {
+  struct Input {
     std::uint64_t leader = 0;  ///< 1, 2, 3, ...; another number, another leader
     bool leads = false;
     bool moved = false;
@@ -121,16 +121,16 @@ class FollowerThread final : public FollowerRunner {
   struct Changes;
 
   void run(const std::stop_token& stopping);
-  void hear(Nanoseconds now) noexcept;
+  void receive(Nanoseconds now) noexcept;
   void tick(Nanoseconds now) noexcept;
-  void note_state(Nanoseconds now) noexcept;
+  void queue_state_change(Nanoseconds now) noexcept;
 
   const time::Clock& clock_;
   Settings settings_;
   std::string grant_;
 
   // Of the server's thread.
-  Told tells_;
+  Input input_;
   FollowerReport first_;
   const FollowerReport* newest_ = &first_;
   FollowerReport without_robot_;
@@ -138,7 +138,7 @@ class FollowerThread final : public FollowerRunner {
   bool ended_ = false;
 
   // Between the two.
-  Latest<Told> told_;
+  Latest<Input> inputs_;
   Latest<FollowerReport> reports_;
   std::unique_ptr<Changes> changes_;
   std::latch begun_{1};
@@ -148,7 +148,7 @@ class FollowerThread final : public FollowerRunner {
   std::unique_ptr<Follower> follower_;
   std::uint64_t leader_ = 0;
   std::uint64_t bias_commands_ = 0;
-  std::optional<Nanoseconds> heard_;
+  std::optional<Nanoseconds> last_received_;
   FollowerState state_ = FollowerState::waiting;
   Nanoseconds state_since_{0};
   record::WakeUps wake_ups_;

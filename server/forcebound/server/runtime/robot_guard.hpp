@@ -38,7 +38,7 @@ class RobotGuard {
   RobotGuard(device::HapticDevice& robot, const time::Clock& clock, std::optional<int> priority);
 
   /// A tick begins on that thread; the first one begins the watch. Real time.
-  void note_tick(Nanoseconds now) noexcept { began_.store(now.count(), std::memory_order_relaxed); }
+  void store_tick_time(Nanoseconds now) noexcept { began_.store(now.count(), std::memory_order_relaxed); }
   /// There is no further tick, nor anything to watch.
   void end() noexcept { began_.store(0, std::memory_order_relaxed); }
 

@@ -100,10 +100,10 @@ void UdpServer::turn() {
   const bool mail_waits = !mail_.empty() && !mail_[place_.number]->empty();
   const bool work_waits = mail_waits || (secure_ && secure_->has_waiting());
   const auto arrived = work_waits ? batch_.receive_all() : batch_.wait_for_some();
-  note_busy(clock_.now() - before);
+  update_busy(clock_.now() - before);
   unless_out_of_memory([this] { compiler_.deliver(); });
-  if (!arrived.empty()) take_in(arrived);
-  if (!mail_.empty()) take_in_mail();
+  if (!arrived.empty()) receive(arrived);
+  if (!mail_.empty()) receive_mail();
   answer_all();
   if (secure_ && secure_->has_waiting()) answer_handshake();
   const Nanoseconds now = clock_.now();
@@ -112,7 +112,7 @@ void UdpServer::turn() {
   unless_out_of_memory([&] { server_.on_timer(now); });
   if (secure_) secure_->on_timer(now);
   batch_.flush();
-  note_figures();
+  publish_figures();
   timer_ = now + kTimerPeriod;
 }
 
@@ -124,7 +124,7 @@ void UdpServer::answer_handshake() noexcept {
   waited_ += clock_.now() - before;
 }
 
-void UdpServer::note_busy(Nanoseconds waited) noexcept {
+void UdpServer::update_busy(Nanoseconds waited) noexcept {
   waited_ += waited;
   const Nanoseconds now = clock_.now();
   const Nanoseconds elapsed = now - busy_since_;
@@ -155,7 +155,7 @@ void UdpServer::replace_clients(security::AllowedClients clients) {
 void UdpServer::stop() {
   server_.stop();
   batch_.flush();
-  note_figures();
+  publish_figures();
 }
 
 bool UdpServer::end_session(std::uint64_t session) {
@@ -165,30 +165,30 @@ bool UdpServer::end_session(std::uint64_t session) {
 }
 
 /// These and all that wait behind them.
-void UdpServer::take_in(std::span<const net::UdpBatch::Arrived> arrived) {
+void UdpServer::receive(std::span<const net::UdpBatch::Arrived> arrived) {
   for (int i = 0; i < kBatchesPerTurn; ++i, arrived = batch_.receive_all()) {
     const Nanoseconds now = clock_.now();
     arrived_ += arrived.size();
-    for (const auto& datagram : arrived) take_in(datagram, now);
+    for (const auto& datagram : arrived) receive(datagram, now);
     // Another check for datagrams would cost a system call; the next wait checks anyway.
     if (arrived.size() < net::UdpBatch::kDatagramsMax) return;
   }
 }
 
-void UdpServer::take_in(const net::UdpBatch::Arrived& datagram, Nanoseconds now) {
+void UdpServer::receive(const net::UdpBatch::Arrived& datagram, Nanoseconds now) {
   if (!mail_.empty() && was_for_others(datagram)) return;
-  take_in_own(datagram.bytes, datagram.received.from, now);
+  receive_own(datagram.bytes, datagram.received.from, now);
 }
 
 /// What came to this worker's socket, or was for it and came to another's.
-void UdpServer::take_in_own(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now) {
+void UdpServer::receive_own(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now) {
   using Stage = WorkerMail::Stage;
   if (!secure_) {
     const auto home = server_.receive(datagram, {.address = from}, now);
     if (home) hand_over(*home, {.bytes = datagram, .from = from, .stage = Stage::hello_judged});
     return;
   }
-  const auto opened = secure_->take_in(datagram, from, now);
+  const auto opened = secure_->accept(datagram, from, now);
   if (!opened) return;
   if (const auto owner = owner_of(*opened)) {
     (void)hand_over_with_keys(*owner, *opened, {.bytes = opened->bytes, .from = from, .stage = Stage::opened}, now);
@@ -263,22 +263,22 @@ void UdpServer::wake(std::size_t worker) noexcept {
 
 /// As many datagrams as there is room for at most: those who put down more meanwhile must not hold up this worker's
 /// own.
-void UdpServer::take_in_mail() {
+void UdpServer::receive_mail() {
   WorkerMail& mail = *mail_[place_.number];
   if (!mail.empty()) {
     const Nanoseconds now = clock_.now();
     for (std::size_t i = 0; i < WorkerMail::kDatagramsMost && mail.take(handed_); ++i) {
       ++arrived_;
-      take_in_handed(now);
+      receive_handed(now);
     }
   }
   if (!mail.work_done()) mail.do_work(*this);
 }
 
-void UdpServer::take_in_handed(Nanoseconds now) {
+void UdpServer::receive_handed(Nanoseconds now) {
   using Stage = WorkerMail::Stage;
   const auto bytes = std::span(handed_.bytes).first(handed_.length);
-  if (handed_.stage == Stage::as_it_came) return take_in_own(bytes, handed_.from, now);
+  if (handed_.stage == Stage::as_it_came) return receive_own(bytes, handed_.from, now);
   const bool judged = handed_.stage == Stage::hello_judged;
   if (handed_.keys) {
     const auto client = secure_->move_in(*std::exchange(handed_.keys, std::nullopt), handed_.from, now);
@@ -289,7 +289,7 @@ void UdpServer::take_in_handed(Nanoseconds now) {
   server_.receive(bytes, {.address = handed_.from, .judged = true}, now);
 }
 
-void UdpServer::note_figures() {
+void UdpServer::publish_figures() {
   if (mail_.empty()) return;
   Figures figures{.counters = server_.counters(),
                   .secure = secure_ ? secure_->counters() : SecureCounters{},

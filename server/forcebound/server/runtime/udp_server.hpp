@@ -98,9 +98,9 @@ class UdpServer {
   [[nodiscard]] std::uint64_t overflowed() const noexcept { return link_.counters().overflowed; }
 
  private:
-  void take_in(std::span<const net::UdpBatch::Arrived> arrived);
-  void take_in(const net::UdpBatch::Arrived& datagram, Nanoseconds now);
-  void take_in_own(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now);
+  void receive(std::span<const net::UdpBatch::Arrived> arrived);
+  void receive(const net::UdpBatch::Arrived& datagram, Nanoseconds now);
+  void receive_own(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now);
   /// True: it was another worker's, or a wake-up call.
   [[nodiscard]] bool was_for_others(const net::UdpBatch::Arrived& datagram) noexcept;
   /// The worker that has the session, of this client, to which what was opened belongs; nothing: none but this can.
@@ -109,12 +109,12 @@ class UdpServer {
   bool hand_over(std::size_t worker, const WorkerMail::Datagram& datagram, SecureLink::Moving* keys = nullptr) noexcept;
   SecureLink::MovedOut hand_over_with_keys(std::size_t worker, const SecureLink::Content& content,
                                            const WorkerMail::Datagram& datagram, Nanoseconds now) noexcept;
-  void take_in_mail();
-  void take_in_handed(Nanoseconds now);
-  void note_figures();
+  void receive_mail();
+  void receive_handed(Nanoseconds now);
+  void publish_figures();
   void answer_all();
   void answer_handshake() noexcept;
-  void note_busy(Nanoseconds waited) noexcept;
+  void update_busy(Nanoseconds waited) noexcept;
 
   time::SteadyClock clock_;
   net::UdpLink link_;

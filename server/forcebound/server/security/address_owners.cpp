@@ -16,7 +16,7 @@ std::uint64_t mixed_address_word(std::uint64_t x) noexcept {
 
 }  // namespace
 
-std::optional<net::Address> HeardFrom::note(const net::Address& from) noexcept {
+std::optional<net::Address> RecentAddresses::add(const net::Address& from) noexcept {
   if (newest_[0] == from) return std::nullopt;
   const std::optional<net::Address> left = newest_[1] == from ? std::nullopt : newest_[1];
   newest_[1] = newest_[0];
@@ -37,7 +37,7 @@ std::size_t AddressOwners::Hash::operator()(const net::Address& address) const n
 }
 
 AddressOwners::AddressOwners(std::size_t sessions, std::uint64_t key) : owners_(0, Hash{key}) {
-  const std::size_t addresses = sessions * HeardFrom::kKept;
+  const std::size_t addresses = sessions * RecentAddresses::kKept;
   owners_.reserve(addresses);
   unused_.reserve(addresses);
   while (unused_.size() < addresses) {
@@ -51,14 +51,14 @@ std::optional<std::uint32_t> AddressOwners::find(const net::Address& address) co
   return found == owners_.end() ? std::nullopt : std::optional(found->second);
 }
 
-void AddressOwners::note(std::uint32_t session, HeardFrom& places, const net::Address& from) noexcept {
-  if (const auto left = places.note(from)) release(session, *left);
+void AddressOwners::assign(std::uint32_t session, RecentAddresses& places, const net::Address& from) noexcept {
+  if (const auto left = places.add(from)) release(session, *left);
   if (const auto found = owners_.find(from); found != owners_.end()) {
     found->second = session;
     return;
   }
   // Each session owns no more addresses than it keeps, so that there is always one left.
-  FORCEBOUND_ASSERT(!unused_.empty(), "more sessions note addresses than there may be");
+  FORCEBOUND_ASSERT(!unused_.empty(), "more sessions have addresses than there may be");
   Owners::node_type node = std::move(unused_.back());
   unused_.pop_back();
   node.key() = from;
@@ -66,7 +66,7 @@ void AddressOwners::note(std::uint32_t session, HeardFrom& places, const net::Ad
   owners_.insert(std::move(node));
 }
 
-void AddressOwners::forget(std::uint32_t session, const HeardFrom& places) noexcept {
+void AddressOwners::forget(std::uint32_t session, const RecentAddresses& places) noexcept {
   for (const auto& address : places.all()) {
     if (address) release(session, *address);
   }

@@ -12,14 +12,14 @@
 namespace forcebound::server {
 
 /// Where one end of a session was heard from: its newest two addresses, the newest first.
-class HeardFrom {
+class RecentAddresses {
  public:
   static constexpr std::size_t kKept = 2;
 
   [[nodiscard]] const std::array<std::optional<net::Address>, kKept>& all() const noexcept { return newest_; }
 
   /// @return the one that is no longer kept
-  std::optional<net::Address> note(const net::Address& from) noexcept;
+  std::optional<net::Address> add(const net::Address& from) noexcept;
 
  private:
   std::array<std::optional<net::Address>, kKept> newest_{};
@@ -27,20 +27,20 @@ class HeardFrom {
 
 /// By which session of keys is sealed what goes to an address: by that of which the newest record came from there.
 ///
-/// Real time: `find` and `note` are noexcept, allocate nothing, O(1). Not thread-safe.
+/// Real time: `find` and `assign` are noexcept, allocate nothing, O(1). Not thread-safe.
 class AddressOwners {
  public:
-  /// @param sessions at most so many note addresses at once
+  /// @param sessions at most so many have addresses at once
   /// @param key random: nobody can choose addresses that are slow to find
   AddressOwners(std::size_t sessions, std::uint64_t key);
 
   [[nodiscard]] std::optional<std::uint32_t> find(const net::Address& address) const noexcept;
 
   /// A record of this session came from there.
-  void note(std::uint32_t session, HeardFrom& places, const net::Address& from) noexcept;
+  void assign(std::uint32_t session, RecentAddresses& places, const net::Address& from) noexcept;
 
   /// The session is no more.
-  void forget(std::uint32_t session, const HeardFrom& places) noexcept;
+  void forget(std::uint32_t session, const RecentAddresses& places) noexcept;
 
  private:
   struct Hash {

@@ -23,7 +23,7 @@ std::optional<std::size_t> MovedKeys::worker_of(std::uint32_t keys) const noexce
   return found == moved_.end() ? std::nullopt : std::optional(found->second.worker);
 }
 
-bool MovedKeys::note(std::uint32_t keys, std::size_t worker, const security::PublicKey* client) noexcept {
+bool MovedKeys::store(std::uint32_t keys, std::size_t worker, const security::PublicKey* client) noexcept {
   const std::lock_guard lock(guard_);
   if (WorkerPlace::owner_of(keys, workers_) == worker) {
     remove(keys);

@@ -30,7 +30,8 @@ class MovedKeys {
   /// They are at this worker from now on; at that of their number: no longer moved. False: there are too many, of all
   /// or of this client.
   /// @param client whose they are; null: no client is known from another
-  [[nodiscard]] bool note(std::uint32_t keys, std::size_t worker, const security::PublicKey* client = nullptr) noexcept;
+  [[nodiscard]] bool store(std::uint32_t keys, std::size_t worker,
+                           const security::PublicKey* client = nullptr) noexcept;
 
   /// Nobody has them any more.
   void forget(std::uint32_t keys) noexcept;

@@ -23,10 +23,10 @@ void SecureCounters::add(const SecureCounters& other) noexcept {
 
 std::string SecureCounters::text() const {
   CountText counts;
-  for (std::size_t i = 0; i < records.size(); ++i) counts.tell("sealed datagrams", records.at(i), kOpenings[i]);
-#define FORCEBOUND_TELL(subject, name, words) counts.tell(subject, name, words);
-  FORCEBOUND_SECURE_COUNTS(FORCEBOUND_TELL)
-#undef FORCEBOUND_TELL
+  for (std::size_t i = 0; i < records.size(); ++i) counts.add("sealed datagrams", records.at(i), kOpenings[i]);
+#define FORCEBOUND_ADD(subject, name, words) counts.add(subject, name, words);
+  FORCEBOUND_SECURE_COUNTS(FORCEBOUND_ADD)
+#undef FORCEBOUND_ADD
   return counts.text();
 }
 

@@ -81,14 +81,14 @@ security::SecretKey SecureLink::random_key() {
 
 SecureLink::~SecureLink() { security::wipe(plain_.data(), plain_.size()); }
 
-std::optional<SecureLink::Content> SecureLink::take_in(std::span<const std::byte> datagram, const net::Address& from,
-                                                       Nanoseconds now) noexcept {
+std::optional<SecureLink::Content> SecureLink::accept(std::span<const std::byte> datagram, const net::Address& from,
+                                                      Nanoseconds now) noexcept {
   try {
-    if (security::is_record(datagram)) return take_in_record(datagram, from, now);
+    if (security::is_record(datagram)) return open_record(datagram, from, now);
     if (security::is_handshake(datagram)) {
       on_request(datagram, from, now);
     } else {
-      take_in_clear(datagram, from, now);
+      receive_clear(datagram, from, now);
     }
   } catch (const std::exception&) {  // no memory or no randomness: whoever asked asks again
     ++counters_.handshakes_failed;
@@ -96,8 +96,8 @@ std::optional<SecureLink::Content> SecureLink::take_in(std::span<const std::byte
   return std::nullopt;
 }
 
-std::optional<SecureLink::Content> SecureLink::take_in_record(std::span<const std::byte> record,
-                                                              const net::Address& from, Nanoseconds now) {
+std::optional<SecureLink::Content> SecureLink::open_record(std::span<const std::byte> record, const net::Address& from,
+                                                           Nanoseconds now) {
   const auto found = peers_.find(security::session_of_record(record));
   if (found == peers_.end()) {
     ++counters_.records[security::Opening::other_session];
@@ -107,9 +107,9 @@ std::optional<SecureLink::Content> SecureLink::take_in_record(std::span<const st
   const security::Opened opened = peer.channel.open(record, plain_, now);
   ++counters_.records[opened.result];
   if (opened.result != security::Opening::opened) return std::nullopt;
-  peer.heard = now;
+  peer.received = now;
   if (!peer.confirmed) confirm(found);
-  note_address(number, peer, from, now);
+  assign_address(number, peer, from, now);
   const auto content = std::span<const std::byte>(plain_).first(opened.bytes);
   if (security::is_handshake(content)) {
     on_later_request(number, opened, content, from);
@@ -118,9 +118,9 @@ std::optional<SecureLink::Content> SecureLink::take_in_record(std::span<const st
   return Content{.bytes = content, .client = peer.client, .keys = number};
 }
 
-void SecureLink::note_address(std::uint32_t number, Peer& peer, const net::Address& from, Nanoseconds now) noexcept {
+void SecureLink::assign_address(std::uint32_t number, Peer& peer, const net::Address& from, Nanoseconds now) noexcept {
   if (may_own(from, number, peer, now)) {
-    owners_.note(number, peer.places, from);
+    owners_.assign(number, peer.places, from);
   } else {
     ++counters_.addresses_of_others;
   }
@@ -134,13 +134,13 @@ SecureLink::MovedOut SecureLink::move_out(std::uint32_t keys, std::size_t worker
   // Before: the next record may follow at once. What goes home is noted there: an entry for it may be needed again.
   const bool goes_home = WorkerPlace::owner_of(keys, limits_.workers) == worker;
   const security::PublicKey* const client = keys_.own ? &found->second.key : nullptr;
-  if (!goes_home && !limits_.moved->note(keys, worker, client)) return MovedOut::too_many;
-  const HeardFrom places = std::exchange(found->second.places, {});
+  if (!goes_home && !limits_.moved->store(keys, worker, client)) return MovedOut::too_many;
+  const RecentAddresses places = std::exchange(found->second.places, {});
   Moving moving(peers_.extract(found));
   if (!give(moving)) {
     moving.node_.mapped().places = places;
     peers_.insert(std::move(moving.node_));
-    if (!goes_home) (void)limits_.moved->note(keys, limits_.worker);
+    if (!goes_home) (void)limits_.moved->store(keys, limits_.worker);
     return MovedOut::not_taken;
   }
   owners_.forget(keys, places);
@@ -158,11 +158,11 @@ std::optional<const security::AllowedClient*> SecureLink::move_in(Moving moving,
     limits_.moved->forget(number);
     return std::nullopt;
   }
-  (void)limits_.moved->note(number, limits_.worker);
+  (void)limits_.moved->store(number, limits_.worker);
   const auto inserted = peers_.insert(std::move(moving.node_));
   from_elsewhere_ += is_from_elsewhere(number) ? 1 : 0;
   confirm(inserted.position);
-  note_address(number, inserted.position->second, from, now);
+  assign_address(number, inserted.position->second, from, now);
   return inserted.position->second.client;
 }
 
@@ -191,7 +191,7 @@ void SecureLink::keep_to_most_of(const security::AllowedClient& client, Peers::i
   for (auto peer = peers_.begin(); peer != peers_.end(); ++peer) {
     if (peer == newest || !peer->second.confirmed || peer->second.client != &client) continue;
     ++held;
-    if (oldest == peers_.end() || peer->second.heard < oldest->second.heard) oldest = peer;
+    if (oldest == peers_.end() || peer->second.received < oldest->second.received) oldest = peer;
   }
   if (held <= SecureLimits::confirmed_most_of(*client.sessions_max)) return;
   ++counters_.sessions_idle;
@@ -204,10 +204,10 @@ bool SecureLink::may_own(const net::Address& address, std::uint32_t number, cons
   const auto owner = owners_.find(address);
   if (!owner || *owner == number || !keys_.own) return true;
   const auto other = peers_.find(*owner);
-  return other == peers_.end() || other->second.key == peer.key || now - other->second.heard > kOwnsAfterSilence;
+  return other == peers_.end() || other->second.key == peer.key || now - other->second.received > kOwnsAfterSilence;
 }
 
-void SecureLink::take_in_clear(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now) {
+void SecureLink::receive_clear(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now) {
   ++counters_.in_clear;
   const auto checked_heading = wire::heading_of(datagram);
   const auto* const heading = std::get_if<wire::Heading>(&checked_heading);
@@ -242,7 +242,7 @@ std::optional<net::Received> SecureLink::receive(std::span<std::byte> buffer) no
       return std::nullopt;
     }
     const auto there = std::span(datagram).first(std::min(received->bytes, datagram.size()));
-    const auto content = take_in(there, received->from, clock_.now());
+    const auto content = accept(there, received->from, clock_.now());
     if (!content) continue;
     std::ranges::copy(content->bytes.first(std::min(content->bytes.size(), buffer.size())), buffer.begin());
     return net::Received{.bytes = content->bytes.size(), .from = received->from, .waited = received->waited};
@@ -269,7 +269,7 @@ void SecureLink::on_timer(Nanoseconds now) noexcept {
     const Nanoseconds kept = confirmed ? limits_.idle_timeout + kKeptAfterIdle : kUnconfirmedKept;
     peer->second.channel.wipe_expired(now);
     const bool expired = confirmed && !peer->second.channel.can_seal(now);
-    if (!expired && now - peer->second.heard < kept) continue;
+    if (!expired && now - peer->second.received < kept) continue;
     ++(confirmed ? counters_.sessions_idle : counters_.handshakes_unused);
     forget(peer);
   }

@@ -75,7 +75,7 @@ struct SecureLimits {
 ///
 /// Without a list of clients whoever knows the shared key is let in, and the server knows of nobody who it is.
 ///
-/// `now` is the clock's time. Randomness is an argument. Real time: `take_in` of records and `send` are noexcept and
+/// `now` is the clock's time. Randomness is an argument. Real time: `accept` of records and `send` are noexcept and
 /// allocate nothing, about 1 us each. A handshake takes about 0.2 ms of the thread that calls `answer_waiting`, and
 /// allocates. Not thread-safe.
 class SecureLink final : public net::DatagramLink {
@@ -129,8 +129,8 @@ class SecureLink final : public net::DatagramLink {
 
   /// A datagram that arrived at `now`. Nothing if it has no content for the server. A handshake waits for
   /// `answer_waiting`.
-  std::optional<Content> take_in(std::span<const std::byte> datagram, const net::Address& from,
-                                 Nanoseconds now) noexcept;
+  std::optional<Content> accept(std::span<const std::byte> datagram, const net::Address& from,
+                                Nanoseconds now) noexcept;
 
   /// Makes the handshake that has waited longest. To be called when no record waits to be opened.
   void answer_waiting(Nanoseconds now) noexcept;
@@ -141,7 +141,7 @@ class SecureLink final : public net::DatagramLink {
   /// Seals it. False if nothing was opened from there, or the keys have expired.
   bool send(std::span<const std::byte> datagram, const net::Address& to) noexcept override;
 
-  /// `take_in` of what waits in the other link, and when nothing does, the handshakes of it: the content of the oldest
+  /// `accept` of what waits in the other link, and when nothing does, the handshakes of it: the content of the oldest
   /// sealed datagram; after many without any, nothing.
   std::optional<net::Received> receive(std::span<std::byte> buffer) noexcept override;
 
@@ -183,8 +183,8 @@ class SecureLink final : public net::DatagramLink {
     Answered answered{};
     std::uint64_t asked_at = 0;  ///< counter of the record with the newest later request, under the key that sealed it
     std::uint8_t asked_under = 0;  ///< the number of that key's handshake; 0: there was none
-    HeardFrom places{};
-    Nanoseconds heard{0};  ///< when a record was opened; before the first: when it asked
+    RecentAddresses places{};
+    Nanoseconds received{0};  ///< when a record was opened; before the first: when it asked
     bool confirmed = false;
   };
   using Peers = std::unordered_map<std::uint32_t, Peer>;
@@ -195,14 +195,14 @@ class SecureLink final : public net::DatagramLink {
     const security::AllowedClient* client = nullptr;
   };
 
-  std::optional<Content> take_in_record(std::span<const std::byte> record, const net::Address& from, Nanoseconds now);
-  void take_in_clear(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now);
+  std::optional<Content> open_record(std::span<const std::byte> record, const net::Address& from, Nanoseconds now);
+  void receive_clear(std::span<const std::byte> datagram, const net::Address& from, Nanoseconds now);
   void forget(Peers::iterator peer) noexcept;
   [[nodiscard]] bool is_from_elsewhere(std::uint32_t number) const noexcept;
   /// Whether as many of its own numbers are here as may be confirmed. Of those that moved there are few anyway.
   [[nodiscard]] bool is_full() const noexcept;
   /// What was opened came from there.
-  void note_address(std::uint32_t number, Peer& peer, const net::Address& from, Nanoseconds now) noexcept;
+  void assign_address(std::uint32_t number, Peer& peer, const net::Address& from, Nanoseconds now) noexcept;
   void confirm(Peers::iterator peer) noexcept;
   /// @param newest is not forgotten
   void keep_to_most_of(const security::AllowedClient& client, Peers::iterator newest) noexcept;
@@ -246,7 +246,7 @@ class SecureLink final : public net::DatagramLink {
   void make_room();
   /// Of its own numbers: forgets the session of keys that was silent longest of whoever has most; false: nobody has
   /// more than one more than who asks.
-  [[nodiscard]] bool take_from_who_has_most(const security::Handshake& asking);
+  [[nodiscard]] bool evict_from_who_has_most(const security::Handshake& asking);
   /// False, and counted, if who asked has a key that nobody can have.
   [[nodiscard]] bool write_answer(security::Handshake& handshake, const security::HandshakeRequest& request,
                                   const security::Admission& admission, Answered& answered);

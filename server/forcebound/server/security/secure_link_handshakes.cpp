@@ -180,7 +180,7 @@ SecureLink::Decision SecureLink::decide(const security::Handshake& handshake, co
     decision.client = listed(handshake, from);
     if (decision.client == nullptr) return {.verdict = Verdict::not_allowed};
   }
-  if (!is_full() || take_from_who_has_most(handshake)) return decision;
+  if (!is_full() || evict_from_who_has_most(handshake)) return decision;
   ++counters_.handshakes_full;
   observer_.on_refused(from, "there are keys for as many clients as there may be");
   return {.verdict = Verdict::full};
@@ -231,14 +231,14 @@ SecureLink::Peer* SecureLink::make_peer(const security::HandshakeTopic& topic, s
               .later = time::TokenBucket(kLaterInterval, kLaterAtOnce, now),
               .moves = time::TokenBucket(kMoveInterval, kMovesAtOnce, now),
               .charged = charged,
-              .heard = now};
+              .received = now};
     return &peers_.emplace(number, std::move(peer)).first->second;
   } catch (const std::bad_alloc&) {
     return nullptr;
   }
 }
 
-bool SecureLink::take_from_who_has_most(const security::Handshake& asking) {
+bool SecureLink::evict_from_who_has_most(const security::Handshake& asking) {
   if (!keys_.own) return false;  // nobody is known from another
   std::map<security::KeyBytes, std::size_t> held;
   // One from elsewhere has no place among these that could become free.
@@ -251,7 +251,7 @@ bool SecureLink::take_from_who_has_most(const security::Handshake& asking) {
   auto oldest = peers_.end();
   for (auto peer = peers_.begin(); peer != peers_.end(); ++peer) {
     if (!has_place(*peer) || peer->second.key.bytes != most->first) continue;
-    if (oldest == peers_.end() || peer->second.heard < oldest->second.heard) oldest = peer;
+    if (oldest == peers_.end() || peer->second.received < oldest->second.received) oldest = peer;
   }
   ++counters_.sessions_idle;
   forget(oldest);
@@ -270,7 +270,7 @@ void SecureLink::make_room() {
   auto oldest = peers_.end();
   for (auto peer = peers_.begin(); peer != peers_.end(); ++peer) {
     if (peer->second.confirmed) continue;
-    const auto rank = [&](const auto& entry) { return std::pair(held[entry.second.charged], -entry.second.heard); };
+    const auto rank = [&](const auto& entry) { return std::pair(held[entry.second.charged], -entry.second.received); };
     if (oldest == peers_.end() || rank(*peer) > rank(*oldest)) oldest = peer;
   }
   if (oldest == peers_.end()) return;

@@ -270,7 +270,7 @@ const Session& Admission::open(const wire::Hello& hello, std::shared_ptr<const E
                                                                         static_cast<int>(hello.degrees_of_freedom))},
                   .rate = time::TokenBucket(time::from_seconds(interval_s), burst(std::max(period_s, interval_s)), now),
                   .hellos = time::TokenBucket(kRepeatedHelloInterval, kRepeatedHellosAtOnce, now),
-                  .last_heard = now,
+                  .last_received = now,
                   .last_moved = now,
                   .proven_at = sender.address,
                   .compute = ComputeShare(options_.session_compute_max, now)};
@@ -282,8 +282,9 @@ const Session& Admission::open(const wire::Hello& hello, std::shared_ptr<const E
   if (session.wants_models && session.made.packed)
     session.sender = std::make_unique<SceneSender>(session.made.packed, options_.handover, now);
   if (hello.shows_scene) {
-    auto looks = session.made.environment->looks(session.sender ? view::Which::not_handed_over : view::Which::all);
-    if (looks) session.view = std::make_unique<ViewSender>(std::move(looks), options_.view, now);
+    auto appearance =
+        session.made.environment->appearance(session.sender ? view::Which::not_handed_over : view::Which::all);
+    if (appearance) session.view = std::make_unique<ViewSender>(std::move(appearance), options_.view, now);
   }
   const Session& opened = parts_.table.open(std::move(session));
   parts_.capacity.count_opened();

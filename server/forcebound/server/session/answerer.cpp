@@ -47,7 +47,7 @@ void Answerer::receive(const wire::MotionSample& motion, std::size_t bytes, cons
   }
   const Arrival arrival = session->arrivals.count(motion.sequence, now, counters);
   if (arrival == Arrival::duplicate || arrival == Arrival::too_far_ahead) return;
-  session->last_heard = now;
+  session->last_received = now;
   if (arrival == Arrival::late) return;
   session->store_place(motion.position, now);
   follow(*session, motion, bytes, from);
@@ -147,10 +147,10 @@ void Answerer::answer(Session& session, const WaitingMotion& waiting) noexcept {
                                 .wants_model = session.wants_models,
                                 .handle = control::sound(motion.handle).handle,
                                 .energy_given_J = motion.energy_given_J});
-  const control::ServerSideLaw::Said said = session.server_side.answer(answer.force);
+  const control::ServerSideLaw::Reply reply = session.server_side.answer(answer.force);
   const Nanoseconds end = parts_.clock.now();
-  session.compute.note(end - begin, end);
-  answer.force = said.force;
+  session.compute.charge(end - begin, end);
+  answer.force = reply.force;
   trim(session, answer);
 
   const wire::EnvironmentForce force{.session = motion.session,
@@ -164,7 +164,7 @@ void Answerer::answer(Session& session, const WaitingMotion& waiting) noexcept {
                                      .motions_received = session.arrivals.counts.motions_received,
                                      .motions_duplicated = session.arrivals.counts.motions_duplicated,
                                      .motions_reordered = session.arrivals.counts.motions_reordered,
-                                     .server_law_numbers = said.numbers,
+                                     .server_law_numbers = reply.numbers,
                                      .challenge = session.amplification.challenge(),
                                      .answer = answer};
   for (const std::string* name : session.made.environment->quarantined())

@@ -31,7 +31,7 @@ class ComputeShare {
   }
 
   /// An answer took so long, until now.
-  void note(time::Nanoseconds took, time::Nanoseconds now) noexcept {
+  void charge(time::Nanoseconds took, time::Nanoseconds now) noexcept {
     fill(now);
     budget_s_ -= time::to_seconds(took);
     decay(now);

@@ -10,7 +10,7 @@ namespace forcebound::server {
 /// always, the others where they are not zero.
 class CountText {
  public:
-  void tell(std::string_view subject, std::uint64_t count, std::string_view words) {
+  void add(std::string_view subject, std::uint64_t count, std::string_view words) {
     const bool first = subject != subject_;
     if (!first && count == 0) return;
     if (first && !text_.empty()) text_ += '\n';

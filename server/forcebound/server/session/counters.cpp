@@ -21,10 +21,10 @@ void ServerCounters::add(const EnvironmentFaults& faults) noexcept {
 
 std::string ServerCounters::text() const {
   CountText counts;
-#define FORCEBOUND_TELL(subject, name, words) counts.tell(subject, name, words);
-  FORCEBOUND_SERVER_COUNTS(FORCEBOUND_TELL)
-#undef FORCEBOUND_TELL
-  for (const wire::MalformedRow& row : wire::kMalformed) counts.tell("datagrams", malformed[row.reason], row.word);
+#define FORCEBOUND_ADD(subject, name, words) counts.add(subject, name, words);
+  FORCEBOUND_SERVER_COUNTS(FORCEBOUND_ADD)
+#undef FORCEBOUND_ADD
+  for (const wire::MalformedRow& row : wire::kMalformed) counts.add("datagrams", malformed[row.reason], row.word);
   return counts.text();
 }
 

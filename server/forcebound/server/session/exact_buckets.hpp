@@ -47,8 +47,8 @@ class ExactBuckets {
 
   void forget_unused(time::Nanoseconds now) noexcept {
     const time::Nanoseconds fills_in = interval_ * burst_;
-    constexpr int kLooks = 8;
-    if (now - looked_ < fills_in / kLooks) return;
+    constexpr int kChecks = 8;
+    if (now - looked_ < fills_in / kChecks) return;
     looked_ = now;
     std::erase_if(known_, [&](const auto& entry) { return now - entry.second.used >= fills_in; });
   }

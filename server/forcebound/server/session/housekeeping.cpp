@@ -5,7 +5,7 @@ namespace forcebound::server {
 void Housekeeping::on_timer(Nanoseconds now) {
   table_.close_each([&](const Session& session) -> std::optional<CloseReason> {
     if (is_wanted_elsewhere(session, now)) return reason_to_evict(session, now);
-    if (now - session.last_heard < options_.idle_timeout) return std::nullopt;
+    if (now - session.last_received < options_.idle_timeout) return std::nullopt;
     return CloseReason::idle;
   });
 }
@@ -28,15 +28,15 @@ bool Housekeeping::evict_one(Nanoseconds now, const Among& among) {
 std::optional<Nanoseconds> Housekeeping::idle_since(const Session& session, Nanoseconds now,
                                                     bool places_are_few) const noexcept {
   constexpr Nanoseconds kProofTime = std::chrono::seconds{1};
-  const bool unproven = !session.has_sent_motion() && now - session.last_heard > kProofTime;
-  const bool absent = places_are_few && now - session.last_heard > options_.presence_timeout;
-  if (unproven || absent) return session.last_heard;
+  const bool unproven = !session.has_sent_motion() && now - session.last_received > kProofTime;
+  const bool absent = places_are_few && now - session.last_received > options_.presence_timeout;
+  if (unproven || absent) return session.last_received;
   const bool still = places_are_few && now - session.last_moved > options_.stillness_timeout;
   return still ? std::optional(session.last_moved) : std::nullopt;
 }
 
 CloseReason Housekeeping::reason_to_evict(const Session& session, Nanoseconds now) const noexcept {
-  const bool is_there = session.has_sent_motion() && now - session.last_heard <= options_.presence_timeout;
+  const bool is_there = session.has_sent_motion() && now - session.last_received <= options_.presence_timeout;
   return is_there ? CloseReason::did_not_move : CloseReason::idle;
 }
 

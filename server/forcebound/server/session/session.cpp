@@ -16,7 +16,7 @@ time::SequenceWindow::Arrival Arrivals::count(std::uint64_t sequence, Nanosecond
   const double elapsed_s = time::to_seconds(std::max(now - newest_arrived, Nanoseconds{0}) + kDelayShrinksMost);
   constexpr double kCountMost = 1e15;  // of a rate without end
   const auto sent_most = static_cast<std::uint64_t>(std::min(elapsed_s * motions_per_s_max, kCountMost));
-  const Arrival arrival = window.note(sequence, std::max(sent_most, time::SequenceWindow::kNumbers));
+  const Arrival arrival = window.add(sequence, std::max(sent_most, time::SequenceWindow::kNumbers));
   if (arrival == Arrival::too_far_ahead) {
     ++totals.motions_far_ahead;
     return arrival;
@@ -50,7 +50,7 @@ Vector ServerSide::place(const wire::MotionSample& motion) noexcept {
   return sound ? at : motion.position;
 }
 
-control::ServerSideLaw::Said ServerSide::answer(const Vector& force_N) noexcept {
+control::ServerSideLaw::Reply ServerSide::answer(const Vector& force_N) noexcept {
   if (!law) return {.force = force_N, .numbers = {}};
   return law->answer(force_N);
 }

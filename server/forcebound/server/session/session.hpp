@@ -41,7 +41,7 @@ struct ServerSide {
 
   /// The position at which the environment is evaluated [m].
   [[nodiscard]] Vector place(const wire::MotionSample& motion) noexcept;
-  [[nodiscard]] control::ServerSideLaw::Said answer(const Vector& force_N) noexcept;
+  [[nodiscard]] control::ServerSideLaw::Reply answer(const Vector& force_N) noexcept;
 };
 
 /// A motion that waits for its answer.
@@ -60,7 +60,7 @@ struct Session {
   ServerSide server_side;
   time::TokenBucket rate;
   time::TokenBucket hellos;  ///< repeated ones
-  Nanoseconds last_heard;
+  Nanoseconds last_received;
   Nanoseconds last_moved;
   Vector stays_at{};       ///< no place from then on was far from it; no rows: no motion came
   net::Address proven_at;  ///< the last address that was proven

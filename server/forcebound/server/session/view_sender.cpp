@@ -63,7 +63,7 @@ std::optional<wire::ViewPiece> ViewSender::movement_piece(const Environment& env
   while (!piece && find_next()) {
     const std::size_t each = description_->moving[group_].numbers_of_item();
     const std::size_t most = std::min(numbers_.size() / each, description_->moving[group_].items() - first_);
-    const std::size_t count = environment.see(group_, first_, std::span(numbers_).first(most * each)) / each;
+    const std::size_t count = environment.sample(group_, first_, std::span(numbers_).first(most * each)) / each;
     if (count > 0) {
       piece = {.view = description_->hash,
                .number = static_cast<std::uint32_t>(group_),

@@ -185,7 +185,7 @@ std::string to_text(const Json& all) {
 namespace {
 
 /// The networks shown in the Markdown tables: a few, so that the columns fit.
-std::vector<std::size_t> told_networks(const Json& all) {
+std::vector<std::size_t> shown_networks(const Json& all) {
   std::vector<std::size_t> told;
   const std::size_t count = all.at("networks").size();
   for (std::size_t i = 0; i < count; ++i) {
@@ -199,7 +199,7 @@ std::vector<std::size_t> told_networks(const Json& all) {
 }  // namespace
 
 std::string comparison_markdown(const Json& all) {
-  const std::vector<std::size_t> networks = told_networks(all);
+  const std::vector<std::size_t> networks = shown_networks(all);
   std::vector<text::Table::Column> columns{{"law"}, {"least P ideal", "mJ"}, {"least P real", "mJ"}, {"at rest", "%"}};
   for (const char* const what : {"shown, ", "E_dev, "}) {
     for (const std::size_t i : networks) columns.push_back({what + all.at("networks").at(i).get<std::string>(), "%"});

@@ -8,7 +8,7 @@
 
 #include "forcebound/baselines/baselines.hpp"
 #include "forcebound/control/damping.hpp"
-#include "forcebound/control/passivity_controller.hpp"
+#include "forcebound/control/force_bounder.hpp"
 #include "forcebound/record/running_statistics.hpp"
 #include "tests/tools/lab/accuracy/device_run.hpp"
 #include "tests/tools/lab/accuracy/reference_model.hpp"
@@ -27,16 +27,16 @@ constexpr double kShownLeast = 0.01;
 class DriftMeter final : public record::TickSink {
  public:
   void on_tick(const record::TickRecord& tick) noexcept override {
-    if (tick.motion_sequence != 0) note(tick.motion_sequence, tick.position);
+    if (tick.motion_sequence != 0) add(tick.motion_sequence, tick.position);
   }
   void on_force(const record::ForceRecord& record) noexcept override {
-    note(record.force.motion_sequence, record.force.position);
+    add(record.force.motion_sequence, record.force.position);
   }
 
   double most_m = 0;
 
  private:
-  void note(std::uint64_t motion, const control::Vector& place) noexcept {
+  void add(std::uint64_t motion, const control::Vector& place) noexcept {
     const control::Vector& before = places_.try_emplace(motion, place).first->second;
     if (before.rows() == place.rows()) most_m = std::max(most_m, (place - before).norm());
   }

@@ -70,7 +70,7 @@ class Fleet {
       const Event event = events_.top();
       events_.pop();
       now_s_ = event.time_s;
-      take(event);
+      handle(event);
     }
     for (auto* values : {&result_.waits_s, &result_.outages_s, &result_.handshakes_s}) std::ranges::sort(*values);
     result_.sessions_mean = counted_s_ > 0 ? session_seconds_ / counted_s_ : 0;
@@ -89,7 +89,7 @@ class Fleet {
     events_.push({time_s, next_event_++, what, whom, session});
   }
 
-  void take(const Event& event) {
+  void handle(const Event& event) {
     switch (event.what) {
       case What::arrives:
         return arrive(event.whom);
@@ -154,7 +154,7 @@ class Fleet {
       server.state = ServerState::in_use;
       ++in_use_;
     }
-    note_free(chosen, [&] { server.clients.push_back(static_cast<std::uint32_t>(number)); });
+    update_free(chosen, [&] { server.clients.push_back(static_cast<std::uint32_t>(number)); });
     Client& client = clients_[number];
     client.server = chosen;
     client.place = static_cast<std::uint32_t>(server.clients.size() - 1);
@@ -210,7 +210,7 @@ class Fleet {
     Client& client = clients_[number];
     const std::size_t at = client.server;
     Server& server = servers_[at];
-    note_free(at, [&] {
+    update_free(at, [&] {
       clients_[server.clients.back()].place = client.place;
       server.clients[client.place] = server.clients.back();
       server.clients.pop_back();
@@ -227,7 +227,7 @@ class Fleet {
 
   /// Keeps the list of servers in use with places right around a change of one's clients.
   template <class Change>
-  void note_free(std::size_t at, const Change& change) {
+  void update_free(std::size_t at, const Change& change) {
     const Server& server = servers_[at];
     free_.erase({settings_.places - server.clients.size(), at});
     change();

@@ -202,8 +202,8 @@ StudyDevice study_device(std::uint64_t seed, const StudySettings& settings) {
     const control::DeviceFacts told = facts_of(findings, declared);
     study.least_P_J = least_P_J(hidden, told, seed);
     const double with_truth = displayed_N_per_m(hidden, truth);
-    const double with_told = displayed_N_per_m(hidden, told);
-    if (with_truth > 0 && with_told > 0) study.stiffness_share = with_told / with_truth;
+    const double with_reported = displayed_N_per_m(hidden, told);
+    if (with_truth > 0 && with_reported > 0) study.stiffness_share = with_reported / with_truth;
   }
   return study;
 }

@@ -10,7 +10,7 @@
 
 namespace forcebound::lab {
 
-bool Burst::take(std::span<const std::byte> datagram) noexcept {
+bool Burst::add(std::span<const std::byte> datagram) noexcept {
   if (count_ == kDatagramsMax || datagram.size() > net::kDatagramBytesMax) return false;
   if (count_ > 0 && datagram.size() != each_bytes_) return false;
   each_bytes_ = datagram.size();

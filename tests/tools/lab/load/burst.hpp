@@ -15,7 +15,7 @@ class Burst {
   static constexpr std::size_t kDatagramsMax = 32;
 
   /// False if the burst is full, or the size differs.
-  [[nodiscard]] bool take(std::span<const std::byte> datagram) noexcept;
+  [[nodiscard]] bool add(std::span<const std::byte> datagram) noexcept;
 
   [[nodiscard]] std::size_t size() const noexcept { return count_; }
 

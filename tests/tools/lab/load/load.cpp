@@ -103,9 +103,9 @@ LoadResult Load::run(std::size_t clients) {
         ++result.unsent;
       } else {
         const auto motion = sealed(load_generator_.motion(client, time), client);
-        if (!burst_.take(motion)) {
+        if (!burst_.add(motion)) {
           result.unsent += send_burst(first);
-          static_cast<void>(burst_.take(motion));
+          static_cast<void>(burst_.add(motion));
         }
       }
       ++i;
@@ -189,7 +189,7 @@ void Load::wait(Nanoseconds until) {
   const bool asleep = options_.waiting == Waiting::asleep || (options_.waiting == Waiting::ping_pong && answer_missing);
   // With an answer to wait for on one socket, one call sleeps and receives, as sockperf's does.
   if (asleep && answer_missing && lines_.size() == 1) {
-    return take_in(lines_.front(), lines_.front().batch.wait_for_some());
+    return receive_arrived(lines_.front(), lines_.front().batch.wait_for_some());
   }
   if (asleep) net::wait_readable(descriptors_, until - now());
   receive();
@@ -197,12 +197,12 @@ void Load::wait(Nanoseconds until) {
 
 void Load::receive() {
   for (Line& line : lines_) {
-    take_in(line, line.batch.receive_all());
+    receive_arrived(line, line.batch.receive_all());
     if (line.encryption) line.encryption->link().exchange();
   }
 }
 
-void Load::take_in(Line& line, std::span<const net::UdpBatch::Arrived> arrived) {
+void Load::receive_arrived(Line& line, std::span<const net::UdpBatch::Arrived> arrived) {
   const Nanoseconds time = now();
   for (const auto& datagram : arrived) {
     std::span<const std::byte> bytes = datagram.bytes;

@@ -69,7 +69,7 @@ class Load {
   void connect(std::size_t clients);
   void receive_scene(std::size_t clients);
   void receive();
-  void take_in(Line& line, std::span<const net::UdpBatch::Arrived> arrived);
+  void receive_arrived(Line& line, std::span<const net::UdpBatch::Arrived> arrived);
   /// If its line is encrypted, else as it is; valid until the next is asked for.
   [[nodiscard]] std::span<const std::byte> sealed(std::span<const std::byte> datagram, std::size_t client) noexcept;
   void rest(Nanoseconds until);  ///< asleep, but for reading

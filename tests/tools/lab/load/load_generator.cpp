@@ -115,7 +115,7 @@ void LoadGenerator::on_piece(const wire::ScenePiece& piece) noexcept {
   VirtualClient& virtual_client = virtual_clients_[found->second];
   ++handed_over_.pieces;
   handed_over_.bytes += piece.content.size();
-  virtual_client.receipts.note(piece.transmission);
+  virtual_client.receipts.add(piece.transmission);
   if (virtual_client.pieces[piece.number]) return;
   virtual_client.pieces[piece.number] = true;
   --virtual_client.pieces_missing;

@@ -23,20 +23,20 @@ class Witness final : public record::TickSink {
   explicit Witness(time::Nanoseconds period) : limit_(period + record::kLateBy) {}
   void on_tick(const record::TickRecord& tick) noexcept override {
     late += tick.interval > limit_;
-    note(tick.time.count());
-    for (const double value : tick.applied) note(value);
-    for (const double value : tick.joint) note(value);
-    note(tick.energy_J);
-    note(tick.audit_J);
+    add_to_digest(tick.time.count());
+    for (const double value : tick.applied) add_to_digest(value);
+    for (const double value : tick.joint) add_to_digest(value);
+    add_to_digest(tick.energy_J);
+    add_to_digest(tick.audit_J);
   }
-  void on_force(const record::ForceRecord& force) noexcept override { note(force.receive_time.count()); }
+  void on_force(const record::ForceRecord& force) noexcept override { add_to_digest(force.receive_time.count()); }
 
   std::uint64_t late = 0;
   std::uint64_t digest = 0xcbf29ce484222325;
 
  private:
   template <typename Value>
-  void note(const Value& value) noexcept {
+  void add_to_digest(const Value& value) noexcept {
     for (const unsigned char byte : std::bit_cast<std::array<unsigned char, sizeof(Value)>>(value)) {
       digest = (digest ^ byte) * 0x100000001b3;
     }

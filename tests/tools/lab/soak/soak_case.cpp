@@ -237,7 +237,7 @@ void draw_flaws(SoakCase& drawn, Draw draw) {
 }
 
 /// Notes the law's guarantees for this case; may first make the device ideal, so that there are some.
-void note_promises(SoakCase& drawn, const control::LawDescription& law, Draw draw) {
+void set_promises(SoakCase& drawn, const control::LawDescription& law, Draw draw) {
   using control::LawClaim;
   // An arm holds torques while its tip moves, so that the task-space force is not held.
   const bool straight = drawn.settings.device.facts.cartesian;
@@ -291,7 +291,7 @@ SoakCase draw_soak_case(std::uint64_t seed, const std::string& law) {
   settings.network.seed = draw.seed();
   settings.faults = draw_faults(draw);
   draw_flaws(drawn, Draw(settings.seed ^ 0x5bd1e995));
-  note_promises(drawn, description, Draw(~settings.seed));
+  set_promises(drawn, description, Draw(~settings.seed));
   for (const auto& fault : settings.faults) drawn.last_fault = std::max(drawn.last_fault, fault.at + fault.length);
   settings.server_clock = draw_skew(draw);
   drawn.duration = kDuration;

@@ -47,7 +47,7 @@ class Measuring {
     measures_.leader_kept_minimum_J = 0;
   }
 
-  TeleoperationMoment note(sim::ClosedLoop& loop, Nanoseconds time, const record::TickRecord& tick) {
+  TeleoperationMoment measure(sim::ClosedLoop& loop, Nanoseconds time, const record::TickRecord& tick) {
     const server::FollowerReport& report = follower_.report();
     const server::TaskProgress progress = robot_.progress();
     const server::WorkspaceMap& map = report.map;
@@ -167,7 +167,7 @@ TeleoperationMeasures run_teleoperation(const TeleoperationSetup& setup, std::ve
     // A client that stalls does not stop the robot.
     for (; robots <= loop.time(); robots += 1ms) {
       runner->live_until(robots);
-      const TeleoperationMoment moment = measuring.note(loop, robots, last.tick());
+      const TeleoperationMoment moment = measuring.measure(loop, robots, last.tick());
       if (moments != nullptr) moments->push_back(moment);
     }
   }

@@ -42,7 +42,7 @@ void expect_accepted(const scene::Scene& scene, const std::string& device) {
                               scene.facts().name + "' accepts " + scene.facts().accepted_degrees_of_freedom());
 }
 
-void note_left_out(const std::vector<std::string>& recordings) {
+void report_left_out(const std::vector<std::string>& recordings) {
   for (const std::string& name : recordings) {
     std::fprintf(stderr, "note: the recorded network %s is left out: it is not in FORCEBOUND_DATA\n", name.c_str());
   }

@@ -30,7 +30,7 @@ CLI::Validator known_network();
 void expect_accepted(const scene::Scene& scene, const std::string& device);
 
 /// Notes on stderr the recorded networks that are not in FORCEBOUND_DATA.
-void note_left_out(const std::vector<std::string>& recordings);
+void report_left_out(const std::vector<std::string>& recordings);
 
 /// --rendering remote|local, remote unless given. @param locally whether it is local
 CLI::Option* add_rendering_option(CLI::App& command, bool& locally);

@@ -70,7 +70,7 @@ void run(Options options) {
   {
     program::Progress progress;
     trials = play_trials(options.settings, options.figure.empty() ? nullptr : &figure,
-                         [&](double share) { progress.tell(share, "running the trials"); });
+                         [&](double share) { progress.report(share, "running the trials"); });
   }
   std::fputs(trials_table(options.settings, trials, text::colour_for(STDOUT_FILENO)).c_str(), stdout);
   if (!live.empty()) std::printf("\n%s", timing_table(live).c_str());

@@ -11,7 +11,7 @@ using Kind = Event::Kind;
 class LateForceLogTest : public ::testing::Test {
  protected:
   std::optional<LateForceLog::Line> change(Kind kind, time::Nanoseconds now) {
-    log.note({.kind = kind, .time = now});
+    log.store({.kind = kind, .time = now});
     return log.take(now);
   }
 

@@ -16,8 +16,8 @@ namespace {
 TEST(ClientOptions, RenderLocallyUnlessRemoteIsSaid) {
   const std::array unsaid{"forcebound-client", "--server", "127.0.0.1:47800"};
   EXPECT_TRUE(parse_options(static_cast<int>(unsaid.size()), unsaid.data()).client.renders_locally);
-  const std::array said{"forcebound-client", "--server", "127.0.0.1:47800", "--rendering", "remote"};
-  EXPECT_FALSE(parse_options(static_cast<int>(said.size()), said.data()).client.renders_locally);
+  const std::array arguments{"forcebound-client", "--server", "127.0.0.1:47800", "--rendering", "remote"};
+  EXPECT_FALSE(parse_options(static_cast<int>(arguments.size()), arguments.data()).client.renders_locally);
 }
 
 Options with_rate(const char* rate_Hz) {

@@ -95,7 +95,7 @@ TEST_F(LivePageTest, KeepsNoTicksWhileNobodyLooks) {
 TEST_F(LivePageTest, TellsAViewerWhoComesLaterAllThatItNeeds) {
   begin(1);
   live.set_scene(0, {.name = "wall"});
-  live.tell(0, "info", "connected");
+  live.report(0, "info", "connected");
   live.beat(viewers);
   viewers.messages.clear();
   live.greet(2, viewers);
@@ -161,11 +161,11 @@ TEST_F(LivePageTest, BeginsTheFiguresOfARunFromZero) {
 
 TEST_F(LivePageTest, GreetsNobodyTwice) {
   begin(1);
-  live.tell(0, "info", "one");
+  live.report(0, "info", "one");
   live.greet(1, viewers);
   live.beat(viewers);
   EXPECT_EQ(viewers.take_kinds(), (std::vector<std::string>{"hello", "event", "status"}));
-  live.tell(0, "info", "two");
+  live.report(0, "info", "two");
   live.greet(2, viewers);
   EXPECT_EQ(viewers.take_kinds(), (std::vector<std::string>{"hello", "event"}));
   live.beat(viewers);

@@ -49,7 +49,7 @@ TEST(TickTap, CarriesHowAHandleIsTurnedItsTorqueAndWhetherItTouches) {
   tap.on_tick(tick_record(2));
   EXPECT_FALSE(tap.touches());
   std::vector<TickSample> ticks;
-  tap.take([](const ForceSample&) {}, [&](const TickSample& sample) { ticks.push_back(sample); });
+  tap.drain([](const ForceSample&) {}, [&](const TickSample& sample) { ticks.push_back(sample); });
   ASSERT_EQ(ticks.size(), 2);
   EXPECT_TRUE(ticks[0].has_orientation);
   EXPECT_EQ(ticks[0].orientation, (control::Handle::Orientation{0, 1, 0, 0}));
@@ -64,8 +64,8 @@ TEST(TickTap, CarriesWhatAPageShows) {
   tap.on_tick(tick_record(2));
   std::vector<TickSample> ticks;
   std::vector<ForceSample> forces;
-  tap.take([&](const ForceSample& sample) { forces.push_back(sample); },
-           [&](const TickSample& sample) { ticks.push_back(sample); });
+  tap.drain([&](const ForceSample& sample) { forces.push_back(sample); },
+            [&](const TickSample& sample) { ticks.push_back(sample); });
   ASSERT_EQ(ticks.size(), 2);
   ASSERT_EQ(forces.size(), 1);
   EXPECT_EQ(ticks[1].position_m, (Axes{0.01F, 0.02F, 0}));
@@ -85,7 +85,7 @@ TEST(TickTap, ShowsTheDevicesOwnPlaceWhereTheSceneRunsAtTheClient) {
   local.rendering = record::ForceOrigin::at_client;
   tap.on_force(force_record(1));
   tap.on_tick(local);
-  tap.take([](const ForceSample&) {}, [](const TickSample& sample) { EXPECT_EQ(sample.place_m, sample.position_m); });
+  tap.drain([](const ForceSample&) {}, [](const TickSample& sample) { EXPECT_EQ(sample.place_m, sample.position_m); });
 }
 
 TEST(TickTap, DropsAndCountsWhatFindsNoRoom) {
@@ -93,7 +93,7 @@ TEST(TickTap, DropsAndCountsWhatFindsNoRoom) {
   for (std::uint64_t i = 1; i <= 10; ++i) tap.on_tick(tick_record(i));
   EXPECT_EQ(tap.dropped(), 6);
   int taken = 0;
-  tap.take([](const ForceSample&) {}, [&](const TickSample&) { ++taken; });
+  tap.drain([](const ForceSample&) {}, [&](const TickSample&) { ++taken; });
   EXPECT_EQ(taken, 4);
 }
 

@@ -11,7 +11,7 @@ namespace {
 
 std::vector<std::uint32_t> taken(ViewTap& tap) {
   std::vector<std::uint32_t> numbers;
-  tap.take([&numbers](const view::Assembly::Piece& piece) { numbers.push_back(piece.number); });
+  tap.drain([&numbers](const view::Assembly::Piece& piece) { numbers.push_back(piece.number); });
   return numbers;
 }
 
@@ -21,7 +21,7 @@ TEST(ViewTap, CarriesPiecesInTheirOrderWithTheirContent) {
   tap.on_view({.session = 3, .view = 4, .pieces = 5, .number = 2, .first = 6, .content = content});
   tap.on_view({.session = 3, .view = 4, .pieces = 5, .number = 1});
   int pieces = 0;
-  tap.take([&](const view::Assembly::Piece& piece) {
+  tap.drain([&](const view::Assembly::Piece& piece) {
     if (pieces++ > 0) return;
     EXPECT_EQ(piece.session, 3U);
     EXPECT_EQ(piece.view, 4U);

@@ -36,12 +36,12 @@ local_model::Surface resting_pad(double pressed_m) {
 class RenderedAnswer : public ::testing::Test {
  protected:
   /// For a device that was so deep in the pad then; with the force of something else.
-  void hear_of_pad(double pressed_m, double else_N = 0) {
-    hear(1000 * pressed_m + else_N);
+  void receive_pad(double pressed_m, double else_N = 0) {
+    receive(1000 * pressed_m + else_N);
     newest.answer.model.surfaces[0] = resting_pad(pressed_m);
     newest.answer.model.surface_count = 1;
   }
-  void hear(double z_N) {
+  void receive(double z_N) {
     ++newest.motion_sequence;
     newest.motion_device_time = now;
     newest.answer.force = vector_of({0, 0, z_N});
@@ -50,8 +50,8 @@ class RenderedAnswer : public ::testing::Test {
   }
 
   /// On each tick the answer of 100 ms before.
-  void hear_late(const local_model::Surface& pad) {
-    hear(pad.force_N.z());
+  void receive_late(const local_model::Surface& pad) {
+    receive(pad.force_N.z());
     newest.motion_device_time = late();
     newest.answer.model.surfaces[0] = pad;
     newest.answer.model.surface_count = 1;
@@ -89,7 +89,7 @@ class RenderedAnswer : public ::testing::Test {
 
 TEST_F(RenderedAnswer, HoldsAForceThatHasNoModelAsItIs) {
   for (const double force_N : {1.0, -3.0, 0.0, 7.0}) {
-    hear(force_N);
+    receive(force_N);
     for (int i = 0; i < 3; ++i) {
       EXPECT_EQ(at(-0.001 * i), force_N);
       EXPECT_EQ(rendered.model_N.rows(), 0);
@@ -99,7 +99,7 @@ TEST_F(RenderedAnswer, HoldsAForceThatHasNoModelAsItIs) {
 }
 
 TEST_F(RenderedAnswer, IsThatOfTheModelWhereTheDeviceIsNow) {
-  hear_of_pad(0.002);
+  receive_pad(0.002);
   EXPECT_NEAR(at(-0.002), 2, 1e-9) << "as was said, where it was";
   EXPECT_NEAR(at(-0.003), 3, 1e-9);
   EXPECT_NEAR(at(0.001), 0, 1e-9);
@@ -108,20 +108,20 @@ TEST_F(RenderedAnswer, IsThatOfTheModelWhereTheDeviceIsNow) {
 }
 
 TEST_F(RenderedAnswer, IsFeltWhereThereWasNoContactYet) {
-  hear_of_pad(0);
+  receive_pad(0);
   EXPECT_NEAR(at(0.001), 0, 1e-9);
   EXPECT_NEAR(at(-0.002), 2, 1e-9);
 }
 
 TEST_F(RenderedAnswer, HoldsTheRemainderOfTheForce) {
-  hear_of_pad(0.002, 0.5);
+  receive_pad(0.002, 0.5);
   EXPECT_NEAR(at(-0.003), 3.5, 1e-9);
   EXPECT_TRUE(rendered.held);
   EXPECT_NEAR(at(0.001), 0.5, 1e-9);
 }
 
 TEST_F(RenderedAnswer, FallsToTheHeldForceBeyondTheRadiusWithoutAStep) {
-  hear_of_pad(0.002);
+  receive_pad(0.002);
   double last_N = settled_at(-0.003);
   for (int i = 0; i <= 300; ++i) {
     const double force_N = at(-0.003, 1e-4 * i);
@@ -134,9 +134,9 @@ TEST_F(RenderedAnswer, FallsToTheHeldForceBeyondTheRadiusWithoutAStep) {
 }
 
 TEST_F(RenderedAnswer, GoesOnWhereItWasWhenAnotherAnswerSaysOtherwiseAndGetsThereSoon) {
-  hear_of_pad(0.002);
+  receive_pad(0.002);
   EXPECT_NEAR(settled_at(-0.002), 2, 1e-9);
-  hear_of_pad(0.002);
+  receive_pad(0.002);
   newest.answer.model.surfaces[0].place_m.z() = 0.001;
   newest.answer.model.surfaces[0].force_N.z() = newest.answer.force[2] = newest.answer.server_parts_N[2] = 3;
   EXPECT_NEAR(at(-0.002), 2, 1e-9);
@@ -145,34 +145,34 @@ TEST_F(RenderedAnswer, GoesOnWhereItWasWhenAnotherAnswerSaysOtherwiseAndGetsTher
 }
 
 TEST_F(RenderedAnswer, FadesFromWhatTheDeviceShowedNotFromWhatWasAskedFor) {
-  hear_of_pad(0.04);
+  receive_pad(0.04);
   newest.answer.model.surfaces[0].radius_m = 1;
   EXPECT_NEAR(settled_at(-0.05), 50, 1e-9);
-  hear(2);
+  receive(2);
   EXPECT_NEAR(at(-0.05), 30, 1e-9);
   for (int i = 1; i <= 10; ++i) EXPECT_NEAR(at(-0.05), 2 + 28 * std::exp(-1e-3 * i / AnswerRendering::kFade_s), 1e-9);
 }
 
 TEST_F(RenderedAnswer, GoesOnWhereItWasWhenAnAnswerHasNoModelAnyMore) {
-  hear_of_pad(0.002);
+  receive_pad(0.002);
   EXPECT_NEAR(settled_at(-0.003), 3, 1e-9);
-  hear(2);
+  receive(2);
   EXPECT_NEAR(at(-0.003), 3, 1e-9);
   EXPECT_NEAR(settled_at(-0.003), 2, 1e-6);
 }
 
 TEST_F(RenderedAnswer, GoesOnWhereAMovingSurfaceWouldBeByNowWhenAnAnswerHasNoModelAnyMore) {
-  hear_of_pad(0.002);
+  receive_pad(0.002);
   newest.answer.model.surfaces[0].velocity_m_per_s.z() = 0.1;
   for (int i = 1; i <= 5; ++i) EXPECT_NEAR(at(-0.002), 2 + 0.1 * i, 1e-9) << "it comes by 0.1 mm on each tick";
-  hear(2);
+  receive(2);
   EXPECT_NEAR(at(-0.002), 2.6, 1e-9);
 }
 
 TEST_F(RenderedAnswer, GoesOnWhereItWasWhenTheCouplingOfAMassIsAnother) {
   // Too heavy to move in the time that is looked at.
-  const auto hear_of_mass = [this](double stiffness_N_per_m) {
-    hear(0);
+  const auto receive_mass = [this](double stiffness_N_per_m) {
+    receive(0);
     newest.answer.model.mass = {.id = 1,
                                 .stiffness_N_per_m = stiffness_N_per_m,
                                 .mobility_per_kg = 1e-4 * Eigen::Matrix3d::Identity(),
@@ -180,16 +180,16 @@ TEST_F(RenderedAnswer, GoesOnWhereItWasWhenTheCouplingOfAMassIsAnother) {
                                 .radius_m = 1};
     newest.answer.model.has_mass = true;
   };
-  hear_of_mass(500);
+  receive_mass(500);
   EXPECT_NEAR(settled_at(-0.01), 5, 0.01);
-  hear_of_mass(1000);
+  receive_mass(1000);
   EXPECT_NEAR(at(-0.01), 5, 0.01);
   EXPECT_NEAR(at(-0.01), 10 - 5 * std::exp(-1e-3 / AnswerRendering::kFade_s), 0.02);
   EXPECT_NEAR(settled_at(-0.01), 10, 0.02);
 }
 
 TEST_F(RenderedAnswer, LetsWhatMovesFadeWithTheHeldForceWhenTheServerIsSilent) {
-  hear_of_pad(0.002);
+  receive_pad(0.002);
   // Slower than what would be felt.
   newest.answer.model.surfaces[0].velocity_m_per_s.x() = 1e-9;
   EXPECT_NEAR(settled_at(-0.003), 3, 1e-9);
@@ -202,10 +202,10 @@ TEST_F(RenderedAnswer, LetsWhatMovesFadeWithTheHeldForceWhenTheServerIsSilent) {
 }
 
 TEST_F(RenderedAnswer, KeepsASurfaceThatStandsStillWhenTheServerIsSilent) {
-  hear_of_pad(0.002, 1);
+  receive_pad(0.002, 1);
   EXPECT_NEAR(settled_at(-0.003), 4, 1e-6);
   EXPECT_TRUE(rendered.fades) << "what else there is";
-  hear_of_pad(0.002);
+  receive_pad(0.002);
   EXPECT_NEAR(settled_at(-0.003), 3, 1e-6);
   EXPECT_FALSE(rendered.fades);
   for (const double left : {0.5, 0.0}) {
@@ -218,7 +218,7 @@ TEST_F(RenderedAnswer, KeepsASurfaceThatStandsStillWhenTheServerIsSilent) {
 }
 
 TEST_F(RenderedAnswer, KeepsADraggedMassButNotWhatElsePullsAtItWhenTheServerIsSilent) {
-  hear(0);
+  receive(0);
   newest.answer.model.mass = {.id = 1,
                               .bias_m_per_s2 = {0, 0, 1},
                               .stiffness_N_per_m = 500,
@@ -239,11 +239,11 @@ TEST_F(RenderedAnswer, KeepsADraggedMassButNotWhatElsePullsAtItWhenTheServerIsSi
 
 TEST_F(RenderedAnswer, TellsThatWhatMovesWouldFadeAlsoWhereTheAnswerHadNoForceOfIt) {
   server_parts_alone = true;
-  hear_of_pad(0);
+  receive_pad(0);
   newest.answer.server_parts_N.resize(0);
   EXPECT_NEAR(at(-0.002), 2, 1e-9);
   EXPECT_FALSE(rendered.fades) << "it stands still";
-  hear_of_pad(0);
+  receive_pad(0);
   newest.answer.server_parts_N.resize(0);
   newest.answer.model.surfaces[0].velocity_m_per_s.x() = 1e-9;
   EXPECT_NEAR(at(-0.002), 2, 1e-9);
@@ -251,7 +251,7 @@ TEST_F(RenderedAnswer, TellsThatWhatMovesWouldFadeAlsoWhereTheAnswerHadNoForceOf
 }
 
 TEST_F(RenderedAnswer, LetsWhatOthersCanMoveFadeWhenTheServerIsSilentAlsoAtRest) {
-  hear_of_pad(0.002);
+  receive_pad(0.002);
   newest.answer.model.surfaces[0].others_move_it = true;
   EXPECT_NEAR(settled_at(-0.003), 3, 1e-9);
   EXPECT_TRUE(rendered.fades);
@@ -263,7 +263,7 @@ TEST_F(RenderedAnswer, LetsWhatOthersCanMoveFadeWhenTheServerIsSilentAlsoAtRest)
 }
 
 TEST_F(RenderedAnswer, LetsAMassThatOthersCanMoveFadeWhenTheServerIsSilent) {
-  hear(0);
+  receive(0);
   newest.answer.model.mass = {.id = 1,
                               .stiffness_N_per_m = 500,
                               // Too heavy to move in the time that is looked at.
@@ -290,7 +290,7 @@ TEST_F(RenderedAnswer, CountsAndLeavesOutWhatIsUnsoundAndHoldsItsForce) {
       [](auto& model) { model.surfaces[0].normal.setZero(); },
       [](auto& model) { model.surface_count = 4; }};
   for (const auto& spoil : spoils) {
-    hear_of_pad(0.002);
+    receive_pad(0.002);
     spoil(newest.answer.model);
     EXPECT_NEAR(settled_at(-0.003), 2, 1e-6);
     EXPECT_EQ(rendered.model_N.rows(), 0);
@@ -299,22 +299,22 @@ TEST_F(RenderedAnswer, CountsAndLeavesOutWhatIsUnsoundAndHoldsItsForce) {
 }
 
 TEST_F(RenderedAnswer, BlamesTheAnswerThatTurnsOutNotToBeFiniteAndNotTheNext) {
-  hear_of_pad(0.002);
+  receive_pad(0.002);
   newest.answer.force[2] = kInfinity;
   (void)at(-0.003);
   EXPECT_EQ(answers.refused(), 0U);
-  hear_of_pad(0.002);
+  receive_pad(0.002);
   EXPECT_NEAR(at(-0.003), 3, 1e-9) << "at once: there is nothing that could fade";
   EXPECT_EQ(rendered.model_N.rows(), 3);
   EXPECT_EQ(answers.refused(), 1U);
-  hear_of_pad(0.002);
+  receive_pad(0.002);
   EXPECT_NEAR(at(-0.003), 3, 1e-9);
   EXPECT_EQ(answers.refused(), 1U);
 }
 
 TEST_F(RenderedAnswer, TakesTheRestAloneWhereTheSceneRunsAtTheClient) {
   server_parts_alone = true;
-  hear_of_pad(0.002);
+  receive_pad(0.002);
   newest.answer.force[2] += 5;  // of parts that run at the client
   EXPECT_NEAR(at(-0.003) - 5, 3, 1e-9);
   EXPECT_FALSE(rendered.held);
@@ -327,10 +327,10 @@ TEST_F(RenderedAnswer, FadesFromTheFrictionOfTheAnswerBefore) {
     for (int i = 0; i < ticks; ++i) (void)at(-0.002, x_m += 5e-5);
     return rendered.correction_N[0];
   };
-  hear_of_pad(0.002);
+  receive_pad(0.002);
   newest.answer.model.surfaces[0].friction = 0.5;
   EXPECT_NEAR(slide(40), -1, 1e-6);
-  hear_of_pad(0.002);
+  receive_pad(0.002);
   newest.answer.model.surfaces[0].friction = 0.1;
   EXPECT_NEAR(slide(1), -1, 0.2) << "no step";
   EXPECT_NEAR(slide(60), -0.2, 1e-3);
@@ -349,7 +349,7 @@ TEST_F(RenderedAnswer, OfACarriedPadIsThatOfWhereItIsNowButForItsJerk) {
     pad.velocity_m_per_s.z() = kUp_m * kRate_per_s * std::cos(phase);
     pad.acceleration_m_per_s2.z() = -kUp_m * kRate_per_s * kRate_per_s * std::sin(phase);
     pad.radius_m = 0.1;
-    hear_late(pad);
+    receive_late(pad);
     const double there_N = 1000 * (kUp_m * std::sin(kRate_per_s * time::to_seconds(next())) - kDevice_m);
     squares_held += std::pow(pad.force_N.z() - there_N, 2);
     squares += std::pow(at(kDevice_m) - there_N, 2);
@@ -376,7 +376,7 @@ TEST_F(RenderedAnswer, OfAViscoelasticPadIsThatOfTheDevicesOwnMotion) {
     pad.relaxation_s = kRelaxation_s;
     pad.relaxed_N = relaxed_N(late());
     pad.radius_m = 0.1;
-    hear_late(pad);
+    receive_late(pad);
     const double there_N = std::max(0.0, 1000 * pressed_m(next()) + relaxed_N(next()));
     const double felt_N = at(-pressed_m(next()));
     if (i <= 1000) continue;
@@ -387,17 +387,17 @@ TEST_F(RenderedAnswer, OfAViscoelasticPadIsThatOfTheDevicesOwnMotion) {
 // It comes at 1 mm/s, and goes on for 0.25 s of an outage of 2 s.
 TEST_F(RenderedAnswer, RelaxesFromTheMotionThatWasRenderedAlone) {
   age_most_s = 0.25;
-  const auto hear_of_coming = [this] {
-    hear_of_pad(0.003);
+  const auto receive_coming = [this] {
+    receive_pad(0.003);
     local_model::Surface& pad = newest.answer.model.surfaces[0];
     pad.velocity_m_per_s.z() = 0.001;
     pad.relaxing_N_per_m = 1000;
     pad.relaxation_s = 10;
   };
-  hear_of_coming();
+  receive_coming();
   for (int i = 0; i < 2000; ++i) (void)at(-0.003);
   EXPECT_NEAR(at(-0.003), 3.25 + 0.25 * std::exp(-0.19), 0.01);
-  hear_of_coming();
+  receive_coming();
   EXPECT_NEAR(settled_at(-0.003), 3.1 + 0.25 * std::exp(-0.2) + 0.1, 0.01);
 }
 
@@ -408,10 +408,10 @@ TEST_F(RenderedAnswer, StaysFiniteAndDoesNotAllocateWhateverComes) {
     const auto sign = random() % 2 == 0 ? 1.0 : -1.0;
     return sign * std::ldexp(1.0, static_cast<int>(random() % 40) - 20);
   };
-  hear(1);
+  receive(1);
   (void)at(0);
   for (int i = 0; i < 20000; ++i) {
-    if (i % 3 == 0) hear(wild());
+    if (i % 3 == 0) receive(wild());
     newest.answer.model = test::sample_local_model();
     newest.answer.model.surfaces[0].place_m = {wild(), wild(), wild()};
     newest.answer.model.surfaces[0].radius_m = std::abs(wild());

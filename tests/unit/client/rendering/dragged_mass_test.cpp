@@ -48,7 +48,7 @@ struct Drag {
 
 TEST(DraggedMass, SwingsOnItsCouplingAsAMassOnASpringDoes) {
   Drag drag;
-  drag.mass.take(free_puck(), {}, drag.now);
+  drag.mass.update(free_puck(), {}, drag.now);
   drag.last_m = {0.001, 0, 0};
   const double period_s = 2 * std::numbers::pi * std::sqrt(kMass_kg / kCoupling_N_per_m);
   (void)drag.rest(static_cast<int>(std::lround(period_s / 2 * 1e3)));
@@ -61,8 +61,8 @@ TEST(DraggedMass, MovesAsFarInOneTickOfTwentyMillisecondsAsInTwentyOfOne) {
   const DevicePoint device{.place_m = {0.001, 0, 0}};
   DraggedMass often;
   DraggedMass once;
-  often.take(free_puck(), {}, 0ms);
-  once.take(free_puck(), {}, 0ms);
+  often.update(free_puck(), {}, 0ms);
+  once.update(free_puck(), {}, 0ms);
   for (int i = 1; i <= 20; ++i) often.advance(device, 1e-3, 1ms * i);
   once.advance(device, 0.02, 20ms);
   EXPECT_NEAR(once.place_m().x(), often.place_m().x(), 1e-12);
@@ -71,7 +71,7 @@ TEST(DraggedMass, MovesAsFarInOneTickOfTwentyMillisecondsAsInTwentyOfOne) {
 
 TEST(DraggedMass, ActsOnTheDeviceAsTheDeviceActsOnIt) {
   Drag drag;
-  drag.mass.take(free_puck(), {}, drag.now);
+  drag.mass.update(free_puck(), {}, drag.now);
   const DevicePoint device = drag.to({0.001, 0, 0});
   EXPECT_NEAR(drag.mass.force_N(device).x(), -kCoupling_N_per_m * 0.001, 1e-12) << "it was at the origin until then";
   const double before_m = drag.mass.place_m().x();
@@ -81,13 +81,13 @@ TEST(DraggedMass, ActsOnTheDeviceAsTheDeviceActsOnIt) {
 
 TEST(DraggedMass, HasTheSpeedOfWhatHoldsIt) {
   Drag drag;
-  drag.mass.take(free_puck(), {}, drag.now);
+  drag.mass.update(free_puck(), {}, drag.now);
   for (int i = 1; i <= 100; ++i) (void)drag.to({0.001 * i, 0, 0});
   local_model::Mass held = free_puck();
   held.push = {1, 0, 0};
   held.mobility_per_kg(0, 0) = 1e-3 / kMass_kg;
   held.place_m = drag.mass.place_m();
-  drag.mass.take(held, {}, drag.now);
+  drag.mass.update(held, {}, drag.now);
   const double held_at_m = drag.mass.place_m().x();
   for (int i = 1; i <= 100; ++i) (void)drag.to({0.1 + 0.001 * i, 0, 0});
   EXPECT_NEAR(drag.mass.place_m().x(), held_at_m, 3e-3) << "a thousandth of what the coupling would have moved it by";
@@ -98,11 +98,11 @@ TEST(DraggedMass, HasTheMassOfWhatItPushesAndItsOwnWhenItLeaves) {
   pushing.push = {1, 0, 0};
   pushing.mobility_per_kg(0, 0) = 1 / (10 * kMass_kg);
   Drag towards;
-  towards.mass.take(pushing, {}, towards.now);
+  towards.mass.update(pushing, {}, towards.now);
   towards.last_m = {0.001, 0, 0};
   (void)towards.rest(5);
   Drag away;
-  away.mass.take(pushing, {}, away.now);
+  away.mass.update(pushing, {}, away.now);
   away.last_m = {-0.001, 0, 0};
   (void)away.rest(5);
   EXPECT_NEAR(-away.mass.place_m().x() / towards.mass.place_m().x(), 10, 1);
@@ -115,7 +115,7 @@ TEST(DraggedMass, StaysOnItsRailPushedStoppedOrLeaving) {
   on_rail.push = {1, 0, 0};
   on_rail.travel_m = 0.002;
   Drag drag;
-  drag.mass.take(on_rail, {}, drag.now);
+  drag.mass.update(on_rail, {}, drag.now);
   for (const Point& device_m : {Point(0.01, 0.02, 0.01), Point(-0.02, 0, 0.01), Point(-0.01, 0.02, 0)}) {
     drag.last_m = device_m;
     for (int i = 0; i < 50; ++i) {
@@ -132,7 +132,7 @@ TEST(DraggedMass, StopsWhereItCannotGoOnAndComesBack) {
   stopped.push = {1, 0, 0};
   stopped.travel_m = 0.002;
   Drag drag;
-  drag.mass.take(stopped, {}, drag.now);
+  drag.mass.update(stopped, {}, drag.now);
   drag.last_m = {0.01, 0, 0};
   for (int i = 0; i < 100; ++i) {
     const DevicePoint device = drag.rest(1);
@@ -147,7 +147,7 @@ TEST(DraggedMass, StopsWhereItCannotGoOnAndComesBack) {
 
 TEST(DraggedMass, ComesBackSlowlyToALimitThatItHasPassedAndGoesNoFarther) {
   Drag drag;
-  drag.mass.take(free_puck(), {}, drag.now);
+  drag.mass.update(free_puck(), {}, drag.now);
   drag.last_m = {0.005, 0, 0};
   (void)drag.rest(10);
   local_model::Mass stopped = free_puck();
@@ -157,7 +157,7 @@ TEST(DraggedMass, ComesBackSlowlyToALimitThatItHasPassedAndGoesNoFarther) {
   (void)drag.rest(10);
   double last_m = drag.mass.place_m().x();
   ASSERT_GT(last_m, stopped.place_m.x() + 0.002);
-  drag.mass.take(stopped, {.s = 0.01}, drag.now);
+  drag.mass.update(stopped, {.s = 0.01}, drag.now);
   drag.last_m = {0.05, 0, 0};  // so that it is pulled on
   for (int i = 0; i < 1000; ++i) {
     (void)drag.rest(1);
@@ -175,15 +175,15 @@ TEST(DraggedMass, BeginsWithinItsLimitHoweverOldTheAnswerIs) {
   stopped.velocity_m_per_s = {0.5, 0, 0};
   stopped.travel_m = 0.002;
   Drag drag;
-  drag.mass.take(stopped, {.s = 0.05}, drag.now);
+  drag.mass.update(stopped, {.s = 0.05}, drag.now);
   EXPECT_NEAR(drag.mass.place_m().x(), 0.002, 1e-12);
 }
 
 TEST(DraggedMass, GoesOnThroughAnswersThatSayWhereItWasThen) {
   Drag with_answers;
   Drag alone;
-  with_answers.mass.take(free_puck(), {}, with_answers.now);
-  alone.mass.take(free_puck(), {}, alone.now);
+  with_answers.mass.update(free_puck(), {}, with_answers.now);
+  alone.mass.update(free_puck(), {}, alone.now);
   std::vector<Point> places_m;
   for (int i = 0; i < 300; ++i) {
     const Point device_m(0.01 * std::sin(0.02 * i), 0, 0);
@@ -193,7 +193,7 @@ TEST(DraggedMass, GoesOnThroughAnswersThatSayWhereItWasThen) {
     if (i < 100) continue;
     local_model::Mass told = free_puck();
     told.place_m = places_m[static_cast<std::size_t>(i - 50)];
-    with_answers.mass.take(told, {.s = 0.05}, with_answers.now);
+    with_answers.mass.update(told, {.s = 0.05}, with_answers.now);
     EXPECT_LT((with_answers.mass.place_m() - alone.mass.place_m()).norm(), 1e-9);
     EXPECT_LT(with_answers.mass.deviation_m(), 1e-9);
   }
@@ -201,14 +201,14 @@ TEST(DraggedMass, GoesOnThroughAnswersThatSayWhereItWasThen) {
 
 TEST(DraggedMass, MovesSlowlyToWhereTheServerHasItAndNotBeyond) {
   Drag drag;
-  drag.mass.take(free_puck(), {}, drag.now);
+  drag.mass.update(free_puck(), {}, drag.now);
   (void)drag.rest(100);
   local_model::Mass told = free_puck();
   told.place_m = {0, 0.003, 0};
   told.stiffness_N_per_m = 0;  // so that nothing else moves it
   double last_m = 0;
   for (int i = 0; i < 1000; ++i) {
-    drag.mass.take(told, {.s = 0.05}, drag.now);
+    drag.mass.update(told, {.s = 0.05}, drag.now);
     (void)drag.rest(1);
     const double place_m = drag.mass.place_m().y();
     EXPECT_LE(place_m - last_m, DraggedMass::kCorrection_m_per_s * 1e-3 + 1e-12);
@@ -220,12 +220,12 @@ TEST(DraggedMass, MovesSlowlyToWhereTheServerHasItAndNotBeyond) {
 
 TEST(DraggedMass, BeginsAnewWhereAnAnswerHasItFarAway) {
   Drag drag;
-  drag.mass.take(free_puck(), {}, drag.now);
+  drag.mass.update(free_puck(), {}, drag.now);
   (void)drag.rest(100);
   local_model::Mass told = free_puck();
   told.place_m = {0.1, 0, 0};
   told.velocity_m_per_s = {0.5, 0, 0};
-  drag.mass.take(told, {.s = 0.05}, drag.now);
+  drag.mass.update(told, {.s = 0.05}, drag.now);
   EXPECT_NEAR(drag.mass.place_m().x(), 0.125, 1e-12);
 }
 
@@ -239,7 +239,7 @@ TEST(DraggedMass, StaysFiniteAndDoesNotAllocateWhateverItIsTold) {
   const test::AllocationGuard guard;
   for (int i = 0; i < 5000; ++i) {
     wild.place_m = {i % 7 - 3.0, 0, 0};
-    if (i % 3 == 0) drag.mass.take(wild, {.s = 0.001 * (i % 300)}, drag.now);
+    if (i % 3 == 0) drag.mass.update(wild, {.s = 0.001 * (i % 300)}, drag.now);
     const DevicePoint device = drag.to({i % 2 - 0.5, 0, 0});
     EXPECT_TRUE(drag.mass.force_N(device).allFinite());
   }

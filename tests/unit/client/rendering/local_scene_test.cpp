@@ -40,22 +40,22 @@ class ALocalScene : public ::testing::Test {
     local.builder().work();
   }
   /// As the server sends them: what is nearest to the top first.
-  void take(std::size_t i) {
-    local.take({.session = 1,
-                .transmission = i + 1,
-                .number = static_cast<std::uint32_t>(nearest_first[i]),
-                .content = scene->piece(nearest_first[i])});
+  void receive(std::size_t i) {
+    local.receive({.session = 1,
+                   .transmission = i + 1,
+                   .number = static_cast<std::uint32_t>(nearest_first[i]),
+                   .content = scene->piece(nearest_first[i])});
   }
   void deliver(std::size_t from, std::size_t to) {
     for (std::size_t i = from; i < to; ++i) {
-      take(i);
+      receive(i);
       if (i % 100 == 0) local.builder().work();
     }
     local.builder().work();
   }
   [[nodiscard]] std::optional<Answer> at(double z_m) {
     position[2] = z_m;
-    return local.answer(position, time += 1ms, said);
+    return local.answer(position, time += 1ms, reply);
   }
 
   std::shared_ptr<const handover::PackedScene> scene = handover::pack(*handover::mesh_scene(test::ball(0.03, 40)));
@@ -70,7 +70,7 @@ class ALocalScene : public ::testing::Test {
   }();
   LocalRendering local{{.degrees_of_freedom = 3}};
   Vector position = scene::Point(1e-4, 0, 0.032);
-  std::optional<wire::EnvironmentForce> said = in_the_air(position);
+  std::optional<wire::EnvironmentForce> reply = in_the_air(position);
   Nanoseconds time{0};
 };
 
@@ -85,21 +85,21 @@ TEST_F(ALocalScene, AnswersNothingBeforeItIsThere) {
 TEST_F(ALocalScene, WaitsForTheServersFirstWordOnWhereTheDeviceIs) {
   offer();
   deliver(0, pieces);
-  said.reset();
+  reply.reset();
   EXPECT_FALSE(at(0.032));
-  said = in_the_air(position);
+  reply = in_the_air(position);
   EXPECT_TRUE(at(0.032));
 }
 
 TEST_F(ALocalScene, BeginsFromNoWordOfAnotherSessionNorOneOfLongAgo) {
   offer();
   deliver(0, pieces);
-  said->session = 7;
+  reply->session = 7;
   EXPECT_FALSE(at(0.032)) << "it was outside of another scene";
-  said->session = 1;
+  reply->session = 1;
   time = 1001ms;
   EXPECT_FALSE(at(0.032)) << "it may have come round anything since";
-  said->motion_device_time = 900ms;
+  reply->motion_device_time = 900ms;
   EXPECT_TRUE(at(0.032));
 }
 
@@ -107,7 +107,7 @@ TEST_F(ALocalScene, IsNotBuiltForAClientThatEnds) {
   offer();
   std::stop_source end;
   end.request_stop();
-  for (std::size_t i = 0; i < pieces; ++i) take(i);
+  for (std::size_t i = 0; i < pieces; ++i) receive(i);
   EXPECT_EQ(local.builder().work(end.get_token()), 0U);
   EXPECT_EQ(local.builder().counts().scenes_built, 0U);
   EXPECT_EQ(local.builder().counts().refused, 0U) << "it was not the scene's fault";
@@ -136,22 +136,22 @@ TEST_F(ALocalScene, AnswersNothingWhereATickWouldVisitTooMuchOfAMesh) {
   hurried.begin(1, offer_of(*scene));
   hurried.builder().work();
   for (std::uint32_t i = 0; i < pieces; ++i) {
-    hurried.take({.session = 1, .transmission = i + 1, .number = i, .content = scene->piece(i)});
+    hurried.receive({.session = 1, .transmission = i + 1, .number = i, .content = scene->piece(i)});
     hurried.builder().work();
   }
   ASSERT_EQ(hurried.phase(), BuildPhase::whole);
   EXPECT_FALSE(hurried.answer(position, time += 1ms, from_the_middle));
   EXPECT_EQ(hurried.scene().searches_exhausted(), 1U);
-  EXPECT_TRUE(hurried.answer(position, time += 1ms, said)) << "from above it, a few of them are near";
+  EXPECT_TRUE(hurried.answer(position, time += 1ms, reply)) << "from above it, a few of them are near";
   EXPECT_EQ(hurried.scene().searches_exhausted(), 1U);
 }
 
 TEST_F(ALocalScene, GoesOnFromTheSurfaceThatTheServerSaysIsTouched) {
   offer();
   deliver(0, pieces);
-  said->position = scene::Point(1e-4, 0, 0.0285);
-  said->answer.contact_normal = scene::Point(0, 0, 1);
-  said->answer.penetration_m = 0.0016;
+  reply->position = scene::Point(1e-4, 0, 0.0285);
+  reply->answer.contact_normal = scene::Point(0, 0, 1);
+  reply->answer.penetration_m = 0.0016;
   const auto answer = at(0.0285);
   ASSERT_TRUE(answer);
   EXPECT_NEAR(answer->force.z(), 1.5, 0.05);
@@ -169,7 +169,7 @@ TEST_F(ALocalScene, AcknowledgesWhatCameAndWantsNoMoreOnceAllIsThere) {
 TEST_F(ALocalScene, AcknowledgesNoPieceForWhichThereWasNoRoom) {
   offer();
   for (std::uint64_t i = 1; i <= 2000; ++i)
-    local.take({.session = 1, .transmission = i, .number = 0, .content = scene->piece(0)});
+    local.receive({.session = 1, .transmission = i, .number = 0, .content = scene->piece(0)});
   EXPECT_LT(local.receipt().newest, 1000U);
 }
 
@@ -192,10 +192,10 @@ TEST_F(ALocalScene, MakesRoomForAnotherScene) {
   EXPECT_FALSE(at(0.029)) << "the scene of before is no more";
   local.builder().work();
   for (std::uint32_t i = 0; i < other->announcement().pieces; ++i) {
-    local.take({.session = 2, .transmission = i + 1, .number = i, .content = other->piece(i)});
+    local.receive({.session = 2, .transmission = i + 1, .number = i, .content = other->piece(i)});
     local.builder().work();
   }
-  said->session = 2;
+  reply->session = 2;
   const auto answer = at(0.029);
   ASSERT_TRUE(answer);
   EXPECT_EQ(answer->penetration_m, 0);
@@ -204,10 +204,10 @@ TEST_F(ALocalScene, MakesRoomForAnotherScene) {
 TEST_F(ALocalScene, DoesNotComeBackAfterItsEndWhileTheBuilderHasNoRoomToHearOfIt) {
   offer();
   deliver(0, pieces);  // built, and not taken yet
-  for (std::size_t i = 0; i < 1000; ++i) take(0);
+  for (std::size_t i = 0; i < 1000; ++i) receive(0);
   const auto other = handover::pack(*handover::mesh_scene(test::ball(0.01, 10)));
   local.begin(2, offer_of(*other));
-  said->session = 2;
+  reply->session = 2;
   EXPECT_FALSE(at(0.032)) << "it is of the scene before";
   local.builder().work();
   EXPECT_FALSE(at(0.032));
@@ -220,7 +220,7 @@ TEST_F(ALocalScene, RunsNothingMoreOfASceneOfWhichAPieceIsWrong) {
   const std::size_t last = nearest_first.back();
   std::vector<std::byte> wrong(scene->piece(last).begin(), scene->piece(last).end());
   wrong.back() ^= std::byte{1};
-  local.take({.session = 1, .transmission = pieces, .number = static_cast<std::uint32_t>(last), .content = wrong});
+  local.receive({.session = 1, .transmission = pieces, .number = static_cast<std::uint32_t>(last), .content = wrong});
   local.builder().work();
   EXPECT_EQ(local.phase(), BuildPhase::refused);
   EXPECT_FALSE(at(0.032));
@@ -259,7 +259,7 @@ TEST_F(ALocalScene, AnswersSwapsAndForgetsWithoutAllocating) {
   for (std::size_t i = pieces / 2; i < pieces; ++i) {
     {
       const test::AllocationGuard tick;
-      take(i);
+      receive(i);
       (void)local.receipt();
       (void)at(0.0295 + 1e-3 * std::sin(0.1 * static_cast<double>(i)));
       EXPECT_EQ(tick.heap_operations(), 0U);

@@ -27,7 +27,7 @@ TEST(PieceReceipts, TellTheNewestAndExactlyWhatCameOfThe64Before) {
     for (int i = 0; i < 300; ++i) {
       const std::uint64_t step = random() % 10 == 0 ? random() % 200 : random() % 4;
       const std::uint64_t transmission = random() % 3 == 0 && newest > 70 ? newest - random() % 70 : newest + step + 1;
-      receipts.note(transmission);
+      receipts.add(transmission);
       came.insert(transmission);
       newest = std::max(newest, transmission);
       const wire::PieceReceipt receipt = receipts.receipt(true);

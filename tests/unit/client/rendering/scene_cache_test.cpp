@@ -151,7 +151,7 @@ struct Visit {
   }
   void deliver(const handover::PackedScene& scene) {
     for (std::uint32_t i = 0; i < scene.announcement().pieces; ++i) {
-      local.take({.session = 1, .transmission = i + 1, .number = i, .content = scene.piece(i)});
+      local.receive({.session = 1, .transmission = i + 1, .number = i, .content = scene.piece(i)});
       local.builder().work();
     }
   }

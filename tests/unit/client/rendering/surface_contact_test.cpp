@@ -31,7 +31,7 @@ DevicePoint at(double z_m, double z_m_per_s = 0) {
 SurfaceContact contact_of(const local_model::Surface& surface, const DevicePoint& device = at(1),
                           const ModelAge& age = {}) {
   SurfaceContact contact;
-  contact.take(surface, device, age);
+  contact.update(surface, device, age);
   return contact;
 }
 
@@ -115,19 +115,19 @@ TEST(SurfaceContact, GoesOnStickingWhenAnotherAnswerTellsOfTheSameSurface) {
   hand.to(0);
   hand.to(0.0004);
   hand.surface.place_m.x() += 0.03;  // below the tool, which moved
-  hand.contact.take(hand.surface, hand.device, {});
+  hand.contact.update(hand.surface, hand.device, {});
   EXPECT_NEAR(hand.dragged_N(), -0.4, 1e-9);
   hand.to(0.0006);
   EXPECT_NEAR(hand.dragged_N(), -0.6, 1e-9);
   hand.surface.id += 1;
-  hand.contact.take(hand.surface, hand.device, {});
+  hand.contact.update(hand.surface, hand.device, {});
   EXPECT_EQ(hand.dragged_N(), 0) << "another surface";
 }
 
 TEST(SurfaceContact, ASurfaceThatMovesTakesTheDeviceAlong) {
   Sliding hand;
   hand.surface.velocity_m_per_s = {0.1, 0, 0};
-  hand.contact.take(hand.surface, hand.device, {});
+  hand.contact.update(hand.surface, hand.device, {});
   for (int i = 0; i < 5; ++i) hand.to(0);
   EXPECT_NEAR(hand.dragged_N(), 0.5, 1e-9) << "five of its steps";
   for (int i = 0; i < 50; ++i) hand.to(0);
@@ -157,10 +157,10 @@ TEST(SurfaceContact, KeepsWhatRelaxesThroughAnswersAboutTheSameSurface) {
   const double before_N = contact.force_N(at(-0.002), {}).z();
   relaxing.place_m = {0, 0, 0.001};
   relaxing.relaxed_N = 7;
-  contact.take(relaxing, at(-0.002), {});
+  contact.update(relaxing, at(-0.002), {});
   EXPECT_NEAR(contact.force_N(at(-0.002), {}).z(), before_N + 1, 1e-6) << "elastic, by a millimetre";
   relaxing.id += 1;
-  contact.take(relaxing, at(-0.002), {});
+  contact.update(relaxing, at(-0.002), {});
   EXPECT_NEAR(contact.force_N(at(-0.002), {}).z(), 3 + 7, 1e-9) << "another surface begins as it is told";
 }
 

@@ -60,7 +60,7 @@ TEST(SceneBuilder, IsReadWhileItWorksOnAnotherThread) {
     local.begin(session, offer);
     wait_for(BuildPhase::wanting);
     for (std::uint32_t i = 0; i < announced.pieces; ++i)
-      local.take({.session = session, .transmission = i + 1, .number = i, .content = scene->piece(i)});
+      local.receive({.session = session, .transmission = i + 1, .number = i, .content = scene->piece(i)});
     wait_for(honest ? BuildPhase::whole : BuildPhase::refused);
     if (!honest) {
       EXPECT_FALSE(local.why_refused().empty());

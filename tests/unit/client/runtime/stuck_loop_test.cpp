@@ -7,16 +7,16 @@ namespace {
 
 TEST(StuckLoop, IsOneThatMadeNoRoundInSoManyLooks) {
   StuckLoop stuck(3);
-  EXPECT_FALSE(stuck.note(7));
-  EXPECT_FALSE(stuck.note(7));
-  EXPECT_FALSE(stuck.note(7));
-  EXPECT_TRUE(stuck.note(7));
-  EXPECT_FALSE(stuck.note(8)) << "it goes on";
+  EXPECT_FALSE(stuck.update(7));
+  EXPECT_FALSE(stuck.update(7));
+  EXPECT_FALSE(stuck.update(7));
+  EXPECT_TRUE(stuck.update(7));
+  EXPECT_FALSE(stuck.update(8)) << "it goes on";
 }
 
 TEST(StuckLoop, IsNoneThatHasNotBegun) {
   StuckLoop stuck(1);
-  for (int look = 0; look < 100; ++look) EXPECT_FALSE(stuck.note(0));
+  for (int look = 0; look < 100; ++look) EXPECT_FALSE(stuck.update(0));
 }
 
 }  // namespace

@@ -53,12 +53,12 @@ struct WatchdogTest : testing::Test {
 };
 
 TEST_F(WatchdogTest, StopsADeviceWhoseTickDoesNotRunAnyMoreOnceForEachPause) {
-  watchdog.note_tick(clock.now());
+  watchdog.store_tick_time(clock.now());
   clock.set(1s + 5ms);
   EXPECT_TRUE(test::becomes_true([&] { return device.stops == 1; }));
   let_it_look();
   EXPECT_EQ(device.stops, 1) << "it stands already";
-  watchdog.note_tick(clock.now());
+  watchdog.store_tick_time(clock.now());
   clock.set(1s + 10ms);
   EXPECT_TRUE(test::becomes_true([&] { return watchdog.stops() == 2; }));
   EXPECT_EQ(device.stops, 2);
@@ -68,14 +68,14 @@ TEST_F(WatchdogTest, LeavesADeviceAloneThatHasNotTickedYetOrTicks) {
   clock.set(2s);
   let_it_look();
   EXPECT_EQ(device.stops, 0);
-  watchdog.note_tick(clock.now());
+  watchdog.store_tick_time(clock.now());
   clock.set(2s + 4ms);
   let_it_look();
   EXPECT_EQ(device.stops, 0);
 }
 
 TEST_F(WatchdogTest, RestsAfterTheLastTick) {
-  watchdog.note_tick(clock.now());
+  watchdog.store_tick_time(clock.now());
   watchdog.rest();
   clock.set(10s);
   let_it_look();

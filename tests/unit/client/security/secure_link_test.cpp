@@ -105,7 +105,7 @@ class SecureLinkTest : public testing::Test {
     (void)sent();
   }
 
-  void hear() {
+  void receive() {
     from_server(server_.sealed(content(9), clock_.time));
     EXPECT_EQ(tick(), std::vector<Bytes>{content(9)});
   }
@@ -114,7 +114,7 @@ class SecureLinkTest : public testing::Test {
   void begin_and_lose_the_server() {
     begin();
     shake_hands();
-    hear();
+    receive();
     send_unanswered();
     clock_.time += SecureLink::kSilence;
   }
@@ -524,7 +524,7 @@ TEST_F(SecureLinkTest, WaitsLongerForTheFirstThatAServerSaysFromAfar) {
 TEST_F(SecureLinkTest, KeepsItsKeysWhileNothingOrLittleWasSent) {
   begin();
   shake_hands();
-  hear();
+  receive();
   for (int ms = 0; ms < 10'000; ++ms) tick();
   for (int i = 1; i < SecureLink::kUnansweredLeast; ++i) EXPECT_TRUE(secure_->send(content(2), kServer));
   (void)sent();

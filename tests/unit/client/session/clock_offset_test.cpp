@@ -37,14 +37,14 @@ TEST(ClockOffset, IsNotKnownBeforeAnAnswer) {
 
 TEST(ClockOffset, IsTheMiddleOfWaysOfTheSameLength) {
   ClockOffset offset;
-  offset.note(FarServer{.ahead = 5s}.exchange(1s, 50ms, 50ms));
+  offset.update(FarServer{.ahead = 5s}.exchange(1s, 50ms, 50ms));
   EXPECT_EQ(offset.ahead(), 5s);
   EXPECT_EQ(offset.uncertainty(1s), 50ms);
 }
 
 TEST(ClockOffset, IsOffByHalfOfWhatOneWayIsLongerThanTheOtherAndSaysSo) {
   ClockOffset offset;
-  offset.note(FarServer{.ahead = -3s}.exchange(10s, 30ms, 70ms));
+  offset.update(FarServer{.ahead = -3s}.exchange(10s, 30ms, 70ms));
   EXPECT_EQ(offset.ahead(), -3s - 20ms);
   EXPECT_EQ(offset.uncertainty(10s), 50ms);
 }
@@ -52,8 +52,8 @@ TEST(ClockOffset, IsOffByHalfOfWhatOneWayIsLongerThanTheOtherAndSaysSo) {
 TEST(ClockOffset, ComesFromTheLeastDelayOfEachWay) {
   ClockOffset offset;
   const FarServer server{.ahead = 1h};
-  offset.note(server.exchange(1s, 10ms, 90ms));
-  offset.note(server.exchange(1001ms, 80ms, 10ms));
+  offset.update(server.exchange(1s, 10ms, 90ms));
+  offset.update(server.exchange(1001ms, 80ms, 10ms));
   EXPECT_LT(std::chrono::abs(offset.ahead() - 1h), 10us);
   EXPECT_LT(offset.uncertainty(1100ms), 10ms + 50us);
 }
@@ -67,7 +67,7 @@ TEST(ClockOffset, HoldsTheTruthWhileClocksDriftApartByLessThanItsBound) {
     const auto way = [&] { return 20ms + Nanoseconds{static_cast<std::int64_t>(1e6 * more_ms(random))}; };
     for (Nanoseconds now = 1s; now < 600s; now += 10ms) {
       const auto answer = server.exchange(now, way(), way());
-      offset.note(answer);
+      offset.update(answer);
       const Nanoseconds wrong = std::chrono::abs(offset.ahead() - (server.clock(answer.arrived) - answer.arrived));
       // The drift of one clock also counts while a datagram is on its way.
       ASSERT_LE(wrong, offset.uncertainty(answer.arrived) + 100us) << now.count() << ", drift " << drift;
@@ -78,14 +78,14 @@ TEST(ClockOffset, HoldsTheTruthWhileClocksDriftApartByLessThanItsBound) {
 
 TEST(ClockOffset, IsLessSureTheLongerNothingCame) {
   ClockOffset offset;
-  offset.note(FarServer{}.exchange(0s, 1ms, 1ms));
+  offset.update(FarServer{}.exchange(0s, 1ms, 1ms));
   EXPECT_NEAR(static_cast<double>((offset.uncertainty(10s) - offset.uncertainty(0s)).count()), 2e6, 2e4);
 }
 
 TEST(ClockOffset, BeginsAnewWhereAClockWasSet) {
   ClockOffset offset;
-  offset.note(FarServer{.ahead = 1s}.exchange(1s, 5ms, 5ms));
-  offset.note(FarServer{.ahead = 9s}.exchange(2s, 50ms, 50ms));
+  offset.update(FarServer{.ahead = 1s}.exchange(1s, 5ms, 5ms));
+  offset.update(FarServer{.ahead = 9s}.exchange(2s, 50ms, 50ms));
   EXPECT_EQ(offset.ahead(), 9s);
   EXPECT_EQ(offset.uncertainty(2s), 50ms);
   offset.forget();
@@ -96,9 +96,9 @@ TEST(ClockOffset, PassesOverTimesThatCannotBe) {
   ClockOffset offset;
   constexpr Nanoseconds kLast{std::numeric_limits<std::int64_t>::max()};
   constexpr Nanoseconds kFirst{std::numeric_limits<std::int64_t>::min()};
-  offset.note({.read = 0s, .received = kLast, .answered = kLast, .arrived = 1s});
-  offset.note({.read = 0s, .received = kFirst, .answered = kFirst, .arrived = 1s});
-  offset.note({.read = 0s, .received = 5s, .answered = 8s, .arrived = 1s});  // longer than the round trip took
+  offset.update({.read = 0s, .received = kLast, .answered = kLast, .arrived = 1s});
+  offset.update({.read = 0s, .received = kFirst, .answered = kFirst, .arrived = 1s});
+  offset.update({.read = 0s, .received = 5s, .answered = 8s, .arrived = 1s});  // longer than the round trip took
   EXPECT_FALSE(offset.known());
 }
 

@@ -16,7 +16,7 @@ class ForceStreamTest : public ::testing::Test {
  protected:
   ForceStreamTest() {
     stream.begin_session(kStreamSession);
-    for (int i = 1; i <= 10; ++i) stream.note_sent(i * 1ms);
+    for (int i = 1; i <= 10; ++i) stream.count_sent(i * 1ms);
   }
 
   static wire::EnvironmentForce answer(std::uint64_t sequence, std::uint64_t motion) {
@@ -63,7 +63,7 @@ TEST_F(ForceStreamTest, CountsAboveTheMotionsSentAreImplausible) {
 }
 
 TEST_F(ForceStreamTest, AForceIsNumberedNoHigherThanTheMotionItAnswers) {
-  for (int i = 11; i <= 40'000; ++i) stream.note_sent(i * 1ms);
+  for (int i = 11; i <= 40'000; ++i) stream.count_sent(i * 1ms);
   auto far_ahead = answer(39'000, 10);
   far_ahead.motions_received = 39'000;
   EXPECT_EQ(accept(far_ahead), Verdict::implausible);
@@ -110,7 +110,7 @@ TEST_F(ForceStreamTest, AcceptsAPenetrationUpToThePositionsDistance) {
 }
 
 TEST_F(ForceStreamTest, DropsAnswersToMotionOlderThanItRemembers) {
-  for (int i = 11; i <= 70'000; ++i) stream.note_sent(i * 1ms);
+  for (int i = 11; i <= 70'000; ++i) stream.count_sent(i * 1ms);
   EXPECT_EQ(accept(answer(1, 3)), Verdict::implausible);
   EXPECT_EQ(accept(answer(2, 69'999)), Verdict::newest);
 }
@@ -168,9 +168,9 @@ TEST_F(ForceStreamTest, CountsEachMotionOnce) {
 
 TEST_F(ForceStreamTest, AMotionThatWasNeverSentIsNotInFlight) {
   ASSERT_EQ(accept(answer(1, 5)), Verdict::newest);
-  stream.note_sent(11ms);
-  stream.note_not_sent();
-  stream.note_sent(12ms);
+  stream.count_sent(11ms);
+  stream.uncount_sent();
+  stream.count_sent(12ms);
   const auto told = stream.counts(12ms);
   EXPECT_EQ(told.sent, 11U);
   EXPECT_EQ(told.in_flight, 6U);
@@ -195,9 +195,9 @@ TEST_F(ForceStreamTest, LongestDelayIsTheRoundTripPlusTheLateness) {
 }
 
 TEST_F(ForceStreamTest, LatenessIsTheLongestTimeInWhichSoManyMotionsWereSent) {
-  stream.note_sent(15ms);
-  stream.note_sent(40ms);
-  stream.note_sent(41ms);
+  stream.count_sent(15ms);
+  stream.count_sent(40ms);
+  stream.count_sent(41ms);
   const auto bye = [](std::uint64_t behind) {
     return wire::Bye{.session = kStreamSession, .motions_received = 4, .forces_sent = 2, .motions_behind = behind};
   };
@@ -206,8 +206,8 @@ TEST_F(ForceStreamTest, LatenessIsTheLongestTimeInWhichSoManyMotionsWereSent) {
   ASSERT_TRUE(stream.accept(bye(1)));
   EXPECT_EQ(stream.longest_delay(), 30ms);
   stream.begin_session(kStreamSession + 1);
-  stream.note_sent(42ms);
-  stream.note_sent(44ms);
+  stream.count_sent(42ms);
+  stream.count_sent(44ms);
   auto next = bye(1);
   next.session = kStreamSession + 1;
   next.motions_received = 2;
@@ -225,7 +225,7 @@ TEST_F(ForceStreamTest, KeepsCountingOverSessions) {
   accept(force);
   stream.begin_session(kStreamSession + 1);
   EXPECT_EQ(counts().lost_up, 1U);
-  EXPECT_EQ(stream.note_sent(11ms), 11U) << "motions keep their numbers";
+  EXPECT_EQ(stream.count_sent(11ms), 11U) << "motions keep their numbers";
   EXPECT_EQ(stream.newest()->motion_sequence, 10U) << "the force fades by its age, it does not jump";
   auto next = answer(1, 11);
   next.session = kStreamSession + 1;

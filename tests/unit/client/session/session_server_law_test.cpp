@@ -54,7 +54,7 @@ TEST_F(SessionWithServerSideLaw, ReceivesOnlyItsDataOfTheNewestForce) {
   arrive(of_another);
   arrive(third);
   tick();
-  EXPECT_EQ(heard().answers_heard, (std::vector<double>{2, 3}));
+  EXPECT_EQ(heard().answers_received, (std::vector<double>{2, 3}));
 }
 
 TEST_F(SessionWithServerSideLaw, LearnsThatAnotherServerSideLawBeginsWithEachSession) {
@@ -85,7 +85,7 @@ TEST_F(SessionWithServerSideLaw, DoesNotAllocate) {
   link.arrive_again(force, kServer);
   for (int i = 0; i < 10; ++i) tick();
   EXPECT_EQ(guard.heap_operations(), 0U);
-  EXPECT_EQ(heard().answers_heard.size(), 1U);
+  EXPECT_EQ(heard().answers_received.size(), 1U);
 }
 
 }  // namespace

@@ -140,12 +140,12 @@ TEST_F(SessionOfSixAxes, AToolTouchesWithItsTipAndTurnsTheHandle) {
   EXPECT_LT((records.last.applied_torque_N_m - now_m.cross(force_N)).norm(), 1e-12);
 }
 
-class SessionOfSixAxesWithASlewBound : public SessionOfSixAxes {
+class SessionOfSixAxesWithARateLimiter : public SessionOfSixAxes {
  protected:
-  SessionOfSixAxesWithASlewBound() : SessionOfSixAxes("none", 20) {}
+  SessionOfSixAxesWithARateLimiter() : SessionOfSixAxes("none", 20) {}
 };
 
-TEST_F(SessionOfSixAxesWithASlewBound, ATorqueThatJumpsIsFollowedAtTheBound) {
+TEST_F(SessionOfSixAxesWithARateLimiter, ATorqueThatJumpsIsFollowedAtTheBound) {
   connect();
   tick();
   link.arrive(codec.encode(answer({0.5, 0, -1}, Eigen::Vector3d(0.09, 0, 0))), kServer);
@@ -164,7 +164,7 @@ TEST_F(SessionOfSixAxesWithASlewBound, ATorqueThatJumpsIsFollowedAtTheBound) {
   EXPECT_EQ(session.totals().slew_bounded, 0U);
 }
 
-TEST_F(SessionOfSixAxesWithASlewBound, TheTorqueOfAForceAtTheToolIsBoundedAsWell) {
+TEST_F(SessionOfSixAxesWithARateLimiter, TheTorqueOfAForceAtTheToolIsBoundedAsWell) {
   connect(Eigen::Vector3d(0, 0, -0.1));
   tick();
   link.arrive(codec.encode(answer({2, 0, 0}, {})), kServer);
@@ -175,12 +175,12 @@ TEST_F(SessionOfSixAxesWithASlewBound, TheTorqueOfAForceAtTheToolIsBoundedAsWell
   EXPECT_GT(session.totals().torque_slew_bounded, 5U);
 }
 
-class SessionOfSixAxesWithASlowSlewBound : public SessionOfSixAxes {
+class SessionOfSixAxesWithASlowRateLimiter : public SessionOfSixAxes {
  protected:
-  SessionOfSixAxesWithASlowSlewBound() : SessionOfSixAxes("none", 0.1) {}
+  SessionOfSixAxesWithASlowRateLimiter() : SessionOfSixAxes("none", 0.1) {}
 };
 
-TEST_F(SessionOfSixAxesWithASlowSlewBound, ATorqueBeginsAtZeroAfterTheServerWasSilent) {
+TEST_F(SessionOfSixAxesWithASlowRateLimiter, ATorqueBeginsAtZeroAfterTheServerWasSilent) {
   connect();
   for (int i = 0; i < 2100; ++i) {
     tick();

@@ -11,8 +11,8 @@
 #include <utility>
 
 #include "forcebound/client/session/hand_safety.hpp"
+#include "forcebound/control/force_bounder.hpp"
 #include "forcebound/control/law_registry.hpp"
-#include "forcebound/control/passivity_controller.hpp"
 #include "forcebound/device/command_times.hpp"
 #include "forcebound/device/load_device.hpp"
 #include "forcebound/device/simulated/simulated_device.hpp"
@@ -79,7 +79,7 @@ class Felt {
   }
 
   [[nodiscard]] double least_P_J() const { return device.audit()->minimum_J; }
-  [[nodiscard]] std::uint64_t said() const { return safety.trips(HandSafety::Trip::frozen); }
+  [[nodiscard]] std::uint64_t reports() const { return safety.trips(HandSafety::Trip::frozen); }
   [[nodiscard]] double force_N() const { return applied_.norm(); }
 
   device::SimulatedDevice device;
@@ -93,7 +93,7 @@ class Felt {
       : device(description, std::make_unique<Pressing>(description.facts.translations(), hands)),
         safety(limits, description.facts.force_N_max),
         unseen_(description.facts, limits),
-        controller_(description.facts, control::force_bounding_laws().make("fba-exact", description.facts)),
+        bounder_(description.facts, control::force_bounding_laws().make("fba-exact", description.facts)),
         times_(device),
         applied_(Vector::Zero(description.facts.degrees_of_freedom())) {}
 
@@ -122,13 +122,13 @@ class Felt {
                                                       .believed = unseen_.share(),
                                                       .frozen = unseen_.frozen()});
     times_.begin_choosing(now_);
-    const Vector chosen = controller_.tick(times_.motion_at(reading), request);
-    applied_ = controller_.confirmed(chosen, times_.command_at(reading, now_));
+    const Vector chosen = bounder_.tick(times_.motion_at(reading), request);
+    applied_ = bounder_.confirmed(chosen, times_.command_at(reading, now_));
     device.apply(now_, applied_);
   }
 
   UnseenEnergy unseen_;
-  control::PassivityController controller_;
+  control::ForceBounder bounder_;
   device::CommandTimes times_;
   Vector applied_;
   device::Reading shown_{};
@@ -164,7 +164,7 @@ TEST(UnseenEnergy, OneAxisThatFreezesIsEnough) {
   felt.frozen_from = 1900ms;
   felt.run(4s);
   EXPECT_GE(felt.least_P_J(), -UnseenEnergy::kMost_J);
-  EXPECT_EQ(felt.said(), 1U);
+  EXPECT_EQ(felt.reports(), 1U);
 }
 
 TEST(UnseenEnergy, IsSaidOnceWithin200MillisecondsAndTheForceComesBackByARamp) {
@@ -172,13 +172,13 @@ TEST(UnseenEnergy, IsSaidOnceWithin200MillisecondsAndTheForceComesBackByARamp) {
   felt.frozen_from = 1500ms;
   felt.frozen_until = 2500ms;
   felt.run(1710ms);
-  EXPECT_EQ(felt.said(), 1U);
+  EXPECT_EQ(felt.reports(), 1U);
   EXPECT_EQ(felt.force_N(), 0);
   felt.run(2600ms);
   EXPECT_LT(felt.force_N(), 7);
   felt.run(4s);
   EXPECT_GT(felt.force_N(), 8) << "as the floor's";
-  EXPECT_EQ(felt.said(), 1U);
+  EXPECT_EQ(felt.reports(), 1U);
 }
 
 TEST(UnseenEnergy, AHandThatRestsIsNeverSaidToBeFrozenAndKeepsItsForce) {
@@ -196,7 +196,7 @@ TEST(UnseenEnergy, AHandThatRestsIsNeverSaidToBeFrozenAndKeepsItsForce) {
         felt_Ns += 1e-3 * felt.force_N();
         free_Ns += 1e-3 * free.force_N();
       }
-      EXPECT_EQ(felt.said(), 0U);
+      EXPECT_EQ(felt.reports(), 0U);
       EXPECT_GT(felt_Ns, 0.85 * free_Ns);
     }
   }

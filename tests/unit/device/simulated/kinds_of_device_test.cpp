@@ -7,8 +7,8 @@
 #include <string>
 
 #include "forcebound/control/exact_law.hpp"
+#include "forcebound/control/force_bounder.hpp"
 #include "forcebound/control/law_registry.hpp"
-#include "forcebound/control/passivity_controller.hpp"
 #include "forcebound/device/load_device.hpp"
 #include "forcebound/device/simulated/make_operator.hpp"
 #include "forcebound/device/simulated/simulated_device.hpp"
@@ -56,7 +56,7 @@ struct Pressed {
 Pressed press(const DeviceDescription& description, std::unique_ptr<control::PassivityLaw> law) {
   const int dof = description.facts.degrees_of_freedom();
   SimulatedDevice device(description, make_operator("press:axis=1,from_m=-0.01,to_m=0.003", dof));
-  control::PassivityController controller(description.facts, std::move(law));
+  control::ForceBounder bounder(description.facts, std::move(law));
   std::array<double, kLateTicks> depth_m{};
   Pressed pressed;
   for (int tick = 0; tick < kTicks; ++tick) {
@@ -71,7 +71,7 @@ Pressed press(const DeviceDescription& description, std::unique_ptr<control::Pas
                                  .joint = reading.joint,
                                  .jacobian = reading.jacobian,
                                  .damping = reading.damping};
-    const Vector force = controller.confirmed(controller.tick(motion, request), 0);
+    const Vector force = bounder.confirmed(bounder.tick(motion, request), 0);
     device.apply(now, force);
     pressed.force_N = std::max(pressed.force_N, force.norm());
   }
@@ -97,7 +97,7 @@ TEST_P(KindsOfDevice, ReadAndApplyWithoutAllocating) {
   const DeviceDescription description = device_of(GetParam());
   const int dof = description.facts.degrees_of_freedom();
   SimulatedDevice device(description, make_operator("wave", dof));
-  control::PassivityController controller(description.facts, std::make_unique<control::ExactLaw>(description.facts));
+  control::ForceBounder bounder(description.facts, std::make_unique<control::ExactLaw>(description.facts));
   const Vector pull = Vector::Constant(dof, 0.5);
   const test::AllocationGuard guard;
   for (int tick = 0; tick < 500; ++tick) {
@@ -108,7 +108,7 @@ TEST_P(KindsOfDevice, ReadAndApplyWithoutAllocating) {
                                  .joint = reading.joint,
                                  .jacobian = reading.jacobian,
                                  .damping = reading.damping};
-    device.apply(now, controller.tick(motion, pull));
+    device.apply(now, bounder.tick(motion, pull));
   }
   EXPECT_EQ(guard.heap_operations(), 0U);
 }

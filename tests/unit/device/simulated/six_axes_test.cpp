@@ -9,8 +9,8 @@
 #include <string>
 
 #include "forcebound/control/exact_law.hpp"
+#include "forcebound/control/force_bounder.hpp"
 #include "forcebound/control/law_registry.hpp"
-#include "forcebound/control/passivity_controller.hpp"
 #include "forcebound/control/rotation.hpp"
 #include "forcebound/control/wrench.hpp"
 #include "forcebound/device/command_times.hpp"
@@ -32,7 +32,7 @@ class SixAxes {
   SixAxes(const std::string& hand, const std::string& law, const DeviceFlaws& flaws = {})
       : device_(facts_with(bounds_of(flaws)), make_operator(hand, 3, true), flaws),
         times_(device_),
-        controller_(device_.facts(), control::force_bounding_laws().make(law, device_.facts())) {}
+        bounder_(device_.facts(), control::force_bounding_laws().make(law, device_.facts())) {}
 
   /// @param wrench_at of a reading: what is asked for
   template <class Environment>
@@ -42,8 +42,8 @@ class SixAxes {
     times_.begin_choosing(now);
     const control::Motion motion = times_.motion_at(reading);
     position_ = motion.position;
-    const Vector chosen = controller_.tick(motion, wrench_at(reading));
-    applied_ = controller_.confirmed(chosen, times_.command_at(reading, now));
+    const Vector chosen = bounder_.tick(motion, wrench_at(reading));
+    applied_ = bounder_.confirmed(chosen, times_.command_at(reading, now));
     device_.apply(now, applied_);
   }
 
@@ -62,7 +62,7 @@ class SixAxes {
 
   SimulatedDevice device_;
   CommandTimes times_;
-  control::PassivityController controller_;
+  control::ForceBounder bounder_;
   Vector applied_;
   Vector position_;
   int ticks_ = 0;

@@ -87,9 +87,9 @@ TEST(AllEffects, AreNoSteeperThanTheyTellExplain) {
           (force_N(at_m + kStep_m * way, Point::Zero()) - force_N(at_m, Point::Zero())).norm() / kStep_m;
       const double over_speed_N_s_per_m =
           (force_N(at_m, moving_m_per_s + kStep_m_per_s * way) - force_N(at_m, moving_m_per_s)).norm() / kStep_m_per_s;
-      const double told_N_per_m =
+      const double reported_N_per_m =
           facts.stiffness_N_per_m + facts.stiffening_N_per_m2 * std::max(0.0, -at_m.x() + kStep_m);
-      EXPECT_LE(over_way_N_per_m, told_N_per_m * 1.001 + 1e-4) << kind.name << " at " << at_m.transpose();
+      EXPECT_LE(over_way_N_per_m, reported_N_per_m * 1.001 + 1e-4) << kind.name << " at " << at_m.transpose();
       EXPECT_LE(over_speed_N_s_per_m, facts.damping_N_s_per_m * 1.001 + 1e-6) << kind.name;
     }
   }

@@ -21,14 +21,14 @@ class Member {
   void sessions(std::size_t count) { member.set_sessions(count, now); }
 
   /// What of its life cycle is told within a time.
-  std::vector<FleetCall> told_within(time::Nanoseconds duration) {
+  std::vector<FleetCall> calls_within(time::Nanoseconds duration) {
     std::vector<FleetCall> told;
     for (const auto end = now + duration; now < end; now += 100ms) {
       for (;;) {
         const FleetCall call = member.next(now, turning);
         if (call == FleetCall::none) break;
         member.done(call, now);
-        if (call == FleetCall::look) member.looked(seen, now);
+        if (call == FleetCall::look) member.apply_state(seen, now);
         if (call == FleetCall::health) ++healthy;
         if (call == FleetCall::health || call == FleetCall::look || call == FleetCall::count) continue;
         told.push_back(call);
@@ -46,81 +46,81 @@ class Member {
 
 TEST(AFleetMember, IsReadyOnceAndInUseFromItsFirstSession) {
   Member member;
-  EXPECT_THAT(member.told_within(30s), ElementsAre(FleetCall::ready));
+  EXPECT_THAT(member.calls_within(30s), ElementsAre(FleetCall::ready));
   member.sessions(1);
   member.seen.allocated = true;
-  EXPECT_THAT(member.told_within(1s), ElementsAre(FleetCall::allocate));
+  EXPECT_THAT(member.calls_within(1s), ElementsAre(FleetCall::allocate));
   member.sessions(3);
-  EXPECT_THAT(member.told_within(3600s), ElementsAre());
+  EXPECT_THAT(member.calls_within(3600s), ElementsAre());
 }
 
 TEST(AFleetMember, IsReadyAgainOnlyWhenNobodyHasComeBack) {
   Member member;
-  member.told_within(1s);
+  member.calls_within(1s);
   member.sessions(1);
   member.seen.allocated = true;
-  member.told_within(10s);
+  member.calls_within(10s);
   member.sessions(0);
-  EXPECT_THAT(member.told_within(4s), ElementsAre());
+  EXPECT_THAT(member.calls_within(4s), ElementsAre());
   member.sessions(1);
-  EXPECT_THAT(member.told_within(60s), ElementsAre());
+  EXPECT_THAT(member.calls_within(60s), ElementsAre());
   member.sessions(0);
-  EXPECT_THAT(member.told_within(4900ms), ElementsAre());
-  EXPECT_THAT(member.told_within(200ms), ElementsAre(FleetCall::ready));
+  EXPECT_THAT(member.calls_within(4900ms), ElementsAre());
+  EXPECT_THAT(member.calls_within(200ms), ElementsAre(FleetCall::ready));
 }
 
 TEST(AFleetMember, ShutsDownAfterUseIfItIsTo) {
   Member member({.after_use = AfterUse::shut_down, .places = 7});
-  member.told_within(1s);
+  member.calls_within(1s);
   member.sessions(1);
   member.seen.allocated = true;
-  member.told_within(10s);
+  member.calls_within(10s);
   EXPECT_EQ((*member).count(), 1);
   member.sessions(0);
   EXPECT_EQ((*member).count(), 7) << "nobody is to be sent there any more";
-  EXPECT_THAT(member.told_within(10s), ElementsAre(FleetCall::shut_down));
+  EXPECT_THAT(member.calls_within(10s), ElementsAre(FleetCall::shut_down));
   EXPECT_TRUE((*member).shut_down());
-  EXPECT_THAT(member.told_within(60s), ElementsAre());
+  EXPECT_THAT(member.calls_within(60s), ElementsAre());
 }
 
 TEST(AFleetMember, ThatIsAllocatedWaitsForItsClientAMinuteAndIsThenReadyAgain) {
   for (const AfterUse after_use : {AfterUse::ready, AfterUse::shut_down}) {
     Member member({.after_use = after_use});
-    member.told_within(10s);
+    member.calls_within(10s);
     member.seen.allocated = true;
-    EXPECT_THAT(member.told_within(59s), ElementsAre());
+    EXPECT_THAT(member.calls_within(59s), ElementsAre());
     EXPECT_TRUE((*member).allocated());
-    EXPECT_THAT(member.told_within(5s), ElementsAre(FleetCall::ready));
+    EXPECT_THAT(member.calls_within(5s), ElementsAre(FleetCall::ready));
   }
 }
 
 TEST(AFleetMember, IsNotAllocatedAnewByWhatTheSidecarStillShows) {
   Member member;
-  member.told_within(1s);
+  member.calls_within(1s);
   member.sessions(1);
-  EXPECT_THAT(member.told_within(1900ms), ElementsAre(FleetCall::allocate)) << "the sidecar shows Ready for a while";
+  EXPECT_THAT(member.calls_within(1900ms), ElementsAre(FleetCall::allocate)) << "the sidecar shows Ready for a while";
   member.seen.allocated = true;
-  EXPECT_THAT(member.told_within(10s), ElementsAre());
+  EXPECT_THAT(member.calls_within(10s), ElementsAre());
 }
 
 TEST(AFleetMember, ThatSomebodyElseMadeReadyWhileInUseIsAllocatedAgain) {
   Member member;
-  member.told_within(1s);
+  member.calls_within(1s);
   member.sessions(1);
   member.seen.allocated = true;
-  member.told_within(10s);
+  member.calls_within(10s);
   member.seen.allocated = false;
-  EXPECT_THAT(member.told_within(2s), ElementsAre(FleetCall::allocate));
+  EXPECT_THAT(member.calls_within(2s), ElementsAre(FleetCall::allocate));
 }
 
 TEST(AFleetMember, IsHealthyTwiceInAPeriodAndOnlyWhileItTurns) {
   Member member;
-  member.told_within(10s);
+  member.calls_within(10s);
   EXPECT_GE(member.healthy, 4);
   EXPECT_LE(member.healthy, 6);
   member.turning = false;
   member.healthy = 0;
-  member.told_within(60s);
+  member.calls_within(60s);
   EXPECT_EQ(member.healthy, 0);
 }
 

@@ -44,7 +44,7 @@ TEST(ChangesOfState, AreToldInALineWithReasonAndTimes) {
 TEST(ChangesOfState, TellWhatTheRobotSaidWhereItEndedItsWork) {
   StateChange change{.from = following, .to = failed, .lasted = 1s, .why_stopped = "the robot refuses"};
   constexpr std::string_view kSaid = "joint 4 is too hot";
-  std::ranges::copy(kSaid, change.said.begin());
+  std::ranges::copy(kSaid, change.robot_error.begin());
   EXPECT_EQ(in_words(change), "following -> failed after 1 s: the robot refuses: joint 4 is too hot");
   change.to = stopped;
   change.why_stopped = "the robot stopped by itself";

@@ -46,7 +46,7 @@ class PageObserverTest : public testing::Test {
  protected:
   PageObserverTest() { observer.on_opened(info); }
 
-  Json session() { return Json::parse(observer.seen().sessions_message({}))["sessions"].at(0); }
+  Json session() { return Json::parse(observer.snapshot().sessions_message({}))["sessions"].at(0); }
 
   HandClock clock;
   Counting next;
@@ -61,7 +61,7 @@ class PageObserverTest : public testing::Test {
 
 TEST_F(PageObserverTest, ShowsSessionsWithoutTheirKey) {
   clock.time = std::chrono::seconds(5);
-  const std::string message = observer.seen().sessions_message({.busy = 0.25, .places_used = 1, .places = 64});
+  const std::string message = observer.snapshot().sessions_message({.busy = 0.25, .places_used = 1, .places = 64});
   EXPECT_THAT(message, testing::Not(HasSubstr("12345678901234567890")));
   const Json parsed = Json::parse(message);
   EXPECT_EQ(parsed["load"]["processor_percent"], 25);
@@ -94,7 +94,7 @@ TEST_F(PageObserverTest, FindsASessionByItsShownNumberUntilItEnds) {
   EXPECT_EQ(observer.session_of(2), std::nullopt);
   observer.on_closed(info, CloseReason::client_said_bye, {});
   EXPECT_EQ(observer.session_of(1), std::nullopt);
-  EXPECT_EQ(Json::parse(observer.seen().sessions_message({}))["sessions"].size(), 0);
+  EXPECT_EQ(Json::parse(observer.snapshot().sessions_message({}))["sessions"].size(), 0);
 }
 
 TEST_F(PageObserverTest, TellsTheOtherObserverOfAll) {
@@ -111,7 +111,7 @@ TEST_F(PageObserverTest, TellsTheOtherObserverOfAll) {
 
 TEST_F(PageObserverTest, GivesMetricsInTheTextFormatOfPrometheus) {
   observer.on_force(force(1, 1));
-  const std::string text = observer.seen().metrics({.busy = 0.5, .places_used = 1, .places = 64});
+  const std::string text = observer.snapshot().metrics({.busy = 0.5, .places_used = 1, .places = 64});
   EXPECT_THAT(text, HasSubstr("forcebound_server_sessions 1\n"));
   EXPECT_THAT(text, HasSubstr("forcebound_server_busy_ratio 0.5\n"));
   EXPECT_THAT(text, HasSubstr("forcebound_server_forces_sent{session=\"1\"} 1\n"));
@@ -127,7 +127,7 @@ TEST_F(PageObserverTest, KeepsAHistogramOfComputeTimeForEachSceneOverAllItsSessi
   slow.compute_time = std::chrono::milliseconds(3);
   observer.on_force(slow);
   observer.on_closed(second, CloseReason::client_said_bye, {});
-  const std::string text = observer.seen().metrics({});
+  const std::string text = observer.snapshot().metrics({});
   const std::string name = "forcebound_server_scene_compute_seconds";
   EXPECT_THAT(text, HasSubstr("# TYPE " + name + " histogram\n"));
   EXPECT_THAT(text, HasSubstr(name + "_bucket{scene=\"sphere\",le=\"1e-05\"} 0\n"));

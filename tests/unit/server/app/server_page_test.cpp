@@ -35,7 +35,7 @@ TEST(ServerPage, ShowsTheSessionsOncePerChange) {
   Sent viewers;
   page.greet(1, viewers);
   page.show(R"({"kind":"sessions"})", "metric 1\n");
-  page.tell("info", "something");
+  page.report("info", "something");
   page.beat(viewers);
   page.beat(viewers);
   page.greet(2, viewers);
@@ -46,7 +46,7 @@ TEST(ServerPage, ShowsTheSessionsOncePerChange) {
 TEST(ServerPage, TellsWhoeverComesLaterOfTheNewestEventsAndNobodyTwice) {
   const StillClock clock;
   ServerPage page(clock, "");
-  for (std::size_t i = 0; i < ServerPage::kEventsKept + 7; ++i) page.tell("info", "before");
+  for (std::size_t i = 0; i < ServerPage::kEventsKept + 7; ++i) page.report("info", "before");
   Sent viewers;
   page.greet(1, viewers);
   EXPECT_EQ(viewers.kinds, Kinds{"hello"}) << "what waits is sent to all";
@@ -55,7 +55,7 @@ TEST(ServerPage, TellsWhoeverComesLaterOfTheNewestEventsAndNobodyTwice) {
   EXPECT_EQ(events(), ServerPage::kEventsKept);
   page.beat(viewers);
   EXPECT_EQ(events(), ServerPage::kEventsKept);
-  page.tell("warning", "now");
+  page.report("warning", "now");
   viewers.kinds.clear();
   page.greet(2, viewers);
   EXPECT_EQ(events(), ServerPage::kEventsKept - 1);

@@ -38,7 +38,7 @@ class DrivenFollower {
       lead(time::to_seconds(now - begin), leader);
       leader.arrived = now;
       leader.energy_given_J += 2e-3;
-      follower->hear(leader);
+      follower->receive(leader);
     }
   }
   void engage() {

@@ -26,7 +26,7 @@ class Scene {
     ASSERT_EQ(pass(400ms), following);
   }
 
-  Engagement::Seen seen;
+  Engagement::Sample seen;
   bool silent_grows = false;
   int begins = 0;
   Engagement engagement{EngagementTimes{}};

@@ -41,7 +41,7 @@ class Led {
       lead(time::to_seconds(now - begin), leader);
       leader.arrived = now;
       leader.energy_given_J += given_W * 1e-3;
-      follower->hear(leader);
+      follower->receive(leader);
     }
   }
   void engage() {

@@ -20,7 +20,7 @@ class Sensed {
       sample.force_N.x() += noise;
       sample.torque_N_m.y() += noise / 10;
       sample.sampled = now;
-      bias.note({.now = now, .sensed = sample, .waits = waits, .stands = stands});
+      bias.update({.now = now, .sensed = sample, .waits = waits, .stands = stands});
     }
   }
   [[nodiscard]] Vector6 left(const SensedForce& sensed) const { return *bias.without(sensed); }
@@ -60,9 +60,9 @@ TEST(SensorBias, IsLearnedWhileItStandsAndNotWhileItTouches) {
 TEST(SensorBias, ASensorThatTellsNothingIsNamedInTheAnswer) {
   Sensed sensor;
   sensor.bias.command(sensor.now);
-  sensor.bias.note({.now = sensor.now + SensorBias::kCommandMost});
+  sensor.bias.update({.now = sensor.now + SensorBias::kCommandMost});
   EXPECT_EQ(sensor.bias.status().answers, 0U);
-  sensor.bias.note({.now = sensor.now + SensorBias::kCommandMost + 1ns});
+  sensor.bias.update({.now = sensor.now + SensorBias::kCommandMost + 1ns});
   EXPECT_EQ(sensor.bias.status().answers, 1U);
   EXPECT_EQ(sensor.bias.status().answer, SensorBias::Answer::no_samples);
 }

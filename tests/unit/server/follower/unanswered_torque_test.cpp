@@ -44,11 +44,11 @@ class LedRobot {
   void run(Nanoseconds duration, const Lead& lead) {
     for (const Nanoseconds begin = clock.time; clock.time < begin + duration; clock.time += 1ms) {
       follower->tick(clock.time);
-      note(clock.time);
+      update(clock.time);
       leader.position = lead(time::to_seconds(clock.time - begin));
       leader.arrived = clock.time;
       leader.energy_given_J += 5e-3;
-      follower->hear(leader);
+      follower->receive(leader);
     }
   }
 
@@ -59,7 +59,7 @@ class LedRobot {
   double turned = 0;  ///< farthest, of a joint since its readings are frozen [rad]
 
  private:
-  void note(Nanoseconds now) {
+  void update(Nanoseconds now) {
     if (now < flaws_.frozen_from) return;
     if (frozen_at_.rows() == 0) frozen_at_ = robot->truth();
     turned = std::max(turned, (robot->truth() - frozen_at_).cwiseAbs().maxCoeff());
@@ -171,7 +171,7 @@ TEST(UnansweredTorque, DoesNotAllocate) {
   const test::AllocationGuard guard;
   for (int tick = 0; tick < 500; ++tick, reading.latched += 1ms) {
     if (tick < 3) reading.joint.array() += 1e-3;
-    unanswered.note(reading, Vector::Constant(7, tick < 20 ? 0 : 20), Vector6::Zero());
+    unanswered.update(reading, Vector::Constant(7, tick < 20 ? 0 : 20), Vector6::Zero());
   }
   EXPECT_TRUE(unanswered.frozen());
   unanswered.restart();

@@ -14,7 +14,7 @@ namespace {
 SerialChain::Description any_chain(std::mt19937_64& random, int joints) {
   std::uniform_real_distribution<double> share(-1, 1);
   const auto any_vector = [&] { return Eigen::Vector3d(share(random), share(random), share(random)); };
-  std::vector<ToldJoint> told;
+  std::vector<DescribedJoint> told;
   told.reserve(static_cast<std::size_t>(joints));
   for (int i = 0; i < joints; ++i) {
     told.push_back({.axis = any_vector(),

@@ -211,7 +211,7 @@ TEST_F(ImpedanceControl, DoesNotAllocate) {
 
 /// A column that turns about z, and joints above it about y and x, bent at rest.
 SerialChain arm_of(int joints) {
-  std::vector<ToldJoint> told;
+  std::vector<DescribedJoint> told;
   for (int i = 0; i < joints; ++i) {
     const double height_m = 0.3 * i;
     told.push_back({.axis = i == 0   ? Eigen::Vector3d::UnitZ()

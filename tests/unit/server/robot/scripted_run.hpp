@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "forcebound/control/passivity_controller.hpp"
+#include "forcebound/control/force_bounder.hpp"
 #include "forcebound/device/command_times.hpp"
 #include "forcebound/server/robot/impedance_controller.hpp"
 #include "forcebound/server/robot/simulated_arm.hpp"
@@ -58,13 +58,13 @@ inline TaskProgress follow_script(const Task& task, SimulatedArm& arm, Impedance
 class LawfulTick {
  public:
   LawfulTick(SimulatedArm& arm, std::unique_ptr<control::PassivityLaw> law)
-      : arm_(arm), times_(arm), controller_(arm.facts(), std::move(law)) {}
+      : arm_(arm), times_(arm), bounder_(arm.facts(), std::move(law)) {}
 
   /// @return the reading, and what was applied
   Vector tick(Nanoseconds now, const device::Reading& reading, const Vector& torque) {
     times_.begin_choosing(now);
-    const Vector chosen = controller_.tick(times_.motion_at(reading), torque);
-    const Vector applied = controller_.confirmed(chosen, times_.command_at(reading, now));
+    const Vector chosen = bounder_.tick(times_.motion_at(reading), torque);
+    const Vector applied = bounder_.confirmed(chosen, times_.command_at(reading, now));
     arm_.apply(now, applied);
     return applied;
   }
@@ -72,7 +72,7 @@ class LawfulTick {
  private:
   SimulatedArm& arm_;
   device::CommandTimes times_;
-  control::PassivityController controller_;
+  control::ForceBounder bounder_;
 };
 
 }  // namespace forcebound::server

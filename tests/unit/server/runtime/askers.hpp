@@ -26,21 +26,21 @@ class Asker {
   template <class Answer>
   Answer ask(const wire::Message& question) {
     send(question);
-    return hear<Answer>();
+    return receive<Answer>();
   }
 
   template <class Answer>
-  Answer hear() {
-    return std::get<Answer>(hear_any());
+  Answer receive() {
+    return std::get<Answer>(receive_any());
   }
 
-  wire::Message hear_any() { return std::get<wire::Message>(codec_.decode(hear_datagram())); }
+  wire::Message receive_any() { return std::get<wire::Message>(codec_.decode(receive_datagram())); }
 
   /// The next that is one, whatever comes before.
   template <class Answer>
   Answer await() {
     while (true) {
-      const wire::Message answer = hear_any();
+      const wire::Message answer = receive_any();
       if (const auto* const found = std::get_if<Answer>(&answer)) return *found;
     }
   }
@@ -49,7 +49,7 @@ class Asker {
   void move() { link_ = net::UdpLink::towards(server_); }
 
  private:
-  std::span<const std::byte> hear_datagram() {
+  std::span<const std::byte> receive_datagram() {
     net::wait_readable(std::array{link_.descriptor()}, std::chrono::seconds{10});
     const auto received = link_.receive(buffer_);
     if (!received) throw std::runtime_error("nothing came in 10 s");
@@ -68,9 +68,9 @@ class SecureAsker {
   explicit SecureAsker(const net::Address& server, std::uint32_t number = 7)
       : link_(net::UdpLink::towards(server)), server_(server), end_({.own = &own_, .server = &server_key_}, number) {
     link_.send(end_.request(), server_);
-    EXPECT_TRUE(end_.take_offer(hear_datagram()).has_value());
+    EXPECT_TRUE(end_.accept_offer(receive_datagram()).has_value());
     link_.send(end_.request(), server_);
-    EXPECT_TRUE(end_.take_answer(hear_datagram(), clock_.now()).has_value());
+    EXPECT_TRUE(end_.accept_answer(receive_datagram(), clock_.now()).has_value());
   }
 
   void send(const wire::Message& question) { link_.send(end_.seal(codec_.encode(question), clock_.now()), server_); }
@@ -78,23 +78,23 @@ class SecureAsker {
   template <class Answer>
   Answer ask(const wire::Message& question) {
     send(question);
-    return hear<Answer>();
+    return receive<Answer>();
   }
 
   template <class Answer>
-  Answer hear() {
-    return std::get<Answer>(hear_any());
+  Answer receive() {
+    return std::get<Answer>(receive_any());
   }
 
-  wire::Message hear_any() {
-    content_ = end_.open(hear_datagram(), clock_.now()).value();
+  wire::Message receive_any() {
+    content_ = end_.open(receive_datagram(), clock_.now()).value();
     return std::get<wire::Message>(codec_.decode(content_));
   }
 
   template <class Answer>
   Answer await() {
     while (true) {
-      const wire::Message answer = hear_any();
+      const wire::Message answer = receive_any();
       if (const auto* const found = std::get_if<Answer>(&answer)) return *found;
     }
   }
@@ -102,7 +102,7 @@ class SecureAsker {
   void move() { link_ = net::UdpLink::towards(server_); }
 
  private:
-  std::span<const std::byte> hear_datagram() {
+  std::span<const std::byte> receive_datagram() {
     net::wait_readable(std::array{link_.descriptor()}, std::chrono::seconds{10});
     const auto received = link_.receive(buffer_);
     if (!received) throw std::runtime_error("nothing came in 10 s");

@@ -63,7 +63,7 @@ TEST(EncryptedUdpServer, AnswersSealedDatagramsAndKnowsWhoseTheyAre) {
       wire::MotionSample{.session = session, .sequence = 1, .position = vector_of({0.02})});
   EXPECT_EQ(force.answer.force, vector_of({-2}));
   thread.request_stop();
-  EXPECT_EQ(asker.hear<wire::Bye>().session, session);
+  EXPECT_EQ(asker.receive<wire::Bye>().session, session);
   thread.join();
   EXPECT_EQ(names.clients, std::vector<std::string>{"anna"});
   ASSERT_NE(server.encryption(), nullptr);
@@ -87,7 +87,7 @@ TEST(EncryptedUdpServer, MakesOneHandshakeATurn) {
     net::wait_readable(std::array{links.back().descriptor()}, std::chrono::seconds{10});
     const auto received = links.back().receive(buffer);
     ASSERT_TRUE(received.has_value());
-    ASSERT_TRUE(ends.back().take_offer(std::span(buffer).first(received->bytes)).has_value());
+    ASSERT_TRUE(ends.back().accept_offer(std::span(buffer).first(received->bytes)).has_value());
   }
   for (std::size_t i = 0; i < ends.size(); ++i) links[i].send(ends[i].request(), server.address());
   while (counters.handshakes < ends.size()) {
@@ -108,7 +108,7 @@ TEST(EncryptedUdpServer, EndsASessionWhoseKeyWasReplacedUnderTheSameName) {
   thread.reset();
   server.replace_clients(security::AllowedClients::parse(
       "[[client]]\nname = \"anna\"\npublic_key = \"" + security::public_text(4) + "\"\n", "clients.toml"));
-  EXPECT_EQ(asker.hear<wire::Bye>().session, welcome.session);
+  EXPECT_EQ(asker.receive<wire::Bye>().session, welcome.session);
   EXPECT_EQ(server.server().sessions(), 0U);
   EXPECT_EQ(server.encryption()->confirmed(), 0U);
 }

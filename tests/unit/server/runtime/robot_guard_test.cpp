@@ -58,7 +58,7 @@ TEST_F(GuardedRobot, IsLeftAloneBeforeTheFirstTickAndAfterTheLastAndWhereTheNext
   pass(1h);
   give_time();
   EXPECT_EQ(guard_.trouble(), Trouble::none);
-  guard_.note_tick(clock_.now());
+  guard_.store_tick_time(clock_.now());
   pass(limit());
   give_time();
   EXPECT_EQ(guard_.trouble(), Trouble::none);
@@ -70,7 +70,7 @@ TEST_F(GuardedRobot, IsLeftAloneBeforeTheFirstTickAndAfterTheLastAndWhereTheNext
 }
 
 TEST_F(GuardedRobot, IsStoppedOnceWhereTheNextTickIsLate) {
-  guard_.note_tick(clock_.now());
+  guard_.store_tick_time(clock_.now());
   pass(limit() + 1ns);
   EXPECT_EQ(guard_.trouble(), Trouble::slow);
   wait_for_stops(1);
@@ -78,7 +78,7 @@ TEST_F(GuardedRobot, IsStoppedOnceWhereTheNextTickIsLate) {
   give_time();
   EXPECT_EQ(robot_.stops, 1);
   EXPECT_FALSE(guard_.is_lost());
-  guard_.note_tick(clock_.now());
+  guard_.store_tick_time(clock_.now());
   EXPECT_EQ(guard_.trouble(), Trouble::none);
   pass(limit() + 1ns);
   wait_for_stops(2);
@@ -86,7 +86,7 @@ TEST_F(GuardedRobot, IsStoppedOnceWhereTheNextTickIsLate) {
 }
 
 TEST_F(GuardedRobot, IsLostWhereNoTickFollows) {
-  guard_.note_tick(clock_.now());
+  guard_.store_tick_time(clock_.now());
   pass(RobotGuard::kStuck + 1ns);
   EXPECT_EQ(guard_.trouble(), Trouble::stuck);
   EXPECT_TRUE(guard_.is_lost());
@@ -96,7 +96,7 @@ TEST_F(GuardedRobot, IsLostWhereNoTickFollows) {
 }
 
 TEST_F(GuardedRobot, WhoseDriverHasCrashedIsLost) {
-  guard_.note_tick(clock_.now());
+  guard_.store_tick_time(clock_.now());
   EXPECT_FALSE(guard_.is_lost());
   robot_.has_crashed = true;
   EXPECT_TRUE(guard_.is_lost());

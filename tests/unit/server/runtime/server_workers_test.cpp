@@ -149,7 +149,7 @@ TEST_F(ServerWorkersTest, BringTheClientsOfASharedSceneTogetherWhateverTheirAddr
     for (std::uint64_t i = 1; i <= 8; ++i) {
       askers.push_back(std::make_unique<Asker>(server_->address()));
       askers.back()->send(hello_of(i, scene));
-      const wire::Message answer = askers.back()->hear_any();
+      const wire::Message answer = askers.back()->receive_any();
       const auto* const welcome = std::get_if<wire::Welcome>(&answer);
       if (welcome == nullptr) {
         EXPECT_THAT(std::string(std::get<wire::Refusal>(answer).text), HasSubstr("all 2 places"));
@@ -246,7 +246,7 @@ TEST_F(ServerWorkersTest, HaveNoMoreSessionsThanOneServerWouldHowManyEverAskAtOn
   std::size_t let_in = 0;
   std::size_t refused = 0;
   for (const auto& asker : askers) {
-    const wire::Message answer = asker->hear_any();
+    const wire::Message answer = asker->receive_any();
     if (const auto* const welcome = std::get_if<wire::Welcome>(&answer)) {
       asker->send(motion_of(welcome->session, 1));
       ++let_in;
@@ -266,7 +266,7 @@ TEST_F(ServerWorkersTest, CountAnAddressesSessionsTogether) {
   for (std::uint64_t i = 1; i <= 12; ++i) {
     askers.push_back(std::make_unique<Asker>(server_->address()));
     askers.back()->send(hello_of(i));
-    let_in += std::holds_alternative<wire::Welcome>(askers.back()->hear_any()) ? 1 : 0;
+    let_in += std::holds_alternative<wire::Welcome>(askers.back()->receive_any()) ? 1 : 0;
   }
   EXPECT_EQ(let_in, 3U);
 }
@@ -280,7 +280,7 @@ TEST_F(ServerWorkersTest, AllEndTheirSessionsAtTheEnd) {
     sessions.push_back(askers.back()->ask<wire::Welcome>(hello_of(i)).session);
   }
   stop();
-  for (std::size_t i = 0; i < askers.size(); ++i) EXPECT_EQ(askers[i]->hear<wire::Bye>().session, sessions[i]);
+  for (std::size_t i = 0; i < askers.size(); ++i) EXPECT_EQ(askers[i]->receive<wire::Bye>().session, sessions[i]);
 }
 
 /// Turned by the test itself.
@@ -295,9 +295,9 @@ TEST(ServerWorkers, EndAnyWorkersSessionAndAdmitNoneAsAsked) {
   }
   while (server.sessions() < 8) server.turn();
   for (const auto& asker : askers) {
-    const auto session = asker->hear<wire::Welcome>().session;
+    const auto session = asker->receive<wire::Welcome>().session;
     EXPECT_TRUE(server.end_session(session));
-    EXPECT_EQ(asker->hear<wire::Bye>().session, session);
+    EXPECT_EQ(asker->receive<wire::Bye>().session, session);
   }
   while (server.sessions() > 0) server.turn();
   EXPECT_FALSE(server.end_session(2));
@@ -310,7 +310,7 @@ TEST(ServerWorkers, EndAnyWorkersSessionAndAdmitNoneAsAsked) {
     const std::uint64_t before = server.counters().datagrams;
     server.turn();
     if (before == server.counters().datagrams) server.turn();
-    EXPECT_EQ(asker.hear<wire::Refusal>().text, "the end is near");
+    EXPECT_EQ(asker.receive<wire::Refusal>().text, "the end is near");
   }
   server.stop();
 }
@@ -385,7 +385,7 @@ TEST(ServerWorkers, AreOneWhereTheSystemCannotSteer) {
     Asker asker(server.address());
     asker.send(hello_of(i));
     server.turn();
-    EXPECT_NE(asker.hear<wire::Welcome>().session, 0U);
+    EXPECT_NE(asker.receive<wire::Welcome>().session, 0U);
   }
 }
 
@@ -440,7 +440,7 @@ TEST_F(OneOfTwoWorkers, RefusesAHelloForAnothersSceneWhereTooManyHaveMoved) {
   const auto client = asker(1);
   client->send(hello_of(1, scene));
   server_->turn();
-  EXPECT_THAT(std::string(client->hear<wire::Refusal>().text), HasSubstr("too many clients are in shared scenes"));
+  EXPECT_THAT(std::string(client->receive<wire::Refusal>().text), HasSubstr("too many clients are in shared scenes"));
   EXPECT_EQ(server_->encryption()->confirmed(), 1U) << "its keys have stayed";
 }
 

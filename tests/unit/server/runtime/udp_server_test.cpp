@@ -41,7 +41,7 @@ TEST(UdpServer, AnswersByUdpUntilStoppedAndThenEndsItsSessions) {
       wire::MotionSample{.session = session, .sequence = 1, .position = vector_of({0.02})});
   EXPECT_EQ(force.answer.force, vector_of({-2}));
   thread.request_stop();
-  const auto bye = asker.hear<wire::Bye>();
+  const auto bye = asker.receive<wire::Bye>();
   EXPECT_EQ(bye.session, session);
   EXPECT_EQ(bye.forces_sent, 1U);
   thread.join();

@@ -33,7 +33,7 @@ class Admission : public SecureLinkFixture {
   /// The cookie that the link offers there.
   security::Cookie cookie_at(const net::Address& from) {
     ClientEnd asks = anna_end(1000);
-    (void)link->take_in(asks.request(), from, clock.time);
+    (void)link->accept(asks.request(), from, clock.time);
     const auto read = security::read_handshake(only_answer());
     return std::get<security::CookieOffer>(read).cookie;
   }
@@ -42,8 +42,8 @@ class Admission : public SecureLinkFixture {
   void get_cookie_quietly(ClientEnd& client, const net::Address& from) {
     sent();
     client.set_cookie({});
-    (void)link->take_in(client.request(), from, clock.time);
-    EXPECT_TRUE(client.take_offer(only_answer()).has_value());
+    (void)link->accept(client.request(), from, clock.time);
+    EXPECT_TRUE(client.accept_offer(only_answer()).has_value());
   }
 
   static Bytes with_cookie(Bytes request, const security::Cookie& cookie) {
@@ -76,11 +76,11 @@ class Admission : public SecureLinkFixture {
     constexpr int kPause = 300;
     for (int turns = 0; turns < kTurnsMost; ++turns) {
       attack();
-      if (turns % kPause == 0) (void)link->take_in(client.request(), from, clock.time);
+      if (turns % kPause == 0) (void)link->accept(client.request(), from, clock.time);
       turn();
       for (const auto& datagram : sent()) {
         const bool own = datagram.peer == from;
-        if (own && client.take_answer(datagram.bytes, clock.time)) return turns + 1;
+        if (own && client.accept_answer(datagram.bytes, clock.time)) return turns + 1;
       }
     }
     return kTurnsMost;
@@ -95,7 +95,7 @@ TEST_F(Admission, IsNotHeldUpByGarbageWithTrueCookiesFrom300Sources) {
   std::size_t next = 0;
   const auto attack = [&] {  // 10,000 a second
     for (int i = 0; i < 3; ++i, ++next) {
-      (void)link->take_in(garbage(cookies[next % 300]), hostile(next % 300), clock.time);
+      (void)link->accept(garbage(cookies[next % 300]), hostile(next % 300), clock.time);
     }
   };
   for (int i = 0; i < 1000; ++i) {
@@ -107,7 +107,7 @@ TEST_F(Admission, IsNotHeldUpByGarbageWithTrueCookiesFrom300Sources) {
     ClientEnd client = number % 2 == 0 ? anna_end(number) : ClientEnd({.own = &bert, .server = &server}, number);
     get_cookie_quietly(client, at_port(number));
     EXPECT_LE(turns_until_answered(client, at_port(number), attack), 5) << number;
-    EXPECT_TRUE(link->take_in(client.seal("hello", clock.time), at_port(number), clock.time).has_value());
+    EXPECT_TRUE(link->accept(client.seal("hello", clock.time), at_port(number), clock.time).has_value());
   }
   EXPECT_GT(link->counters().handshakes_not_proven, 3000U);
   EXPECT_EQ(link->counters().handshakes, 10U);
@@ -126,7 +126,7 @@ TEST_F(Admission, GivesRecordedRequestsNoPlaceAfterARestart) {
   const auto cookies = cookies_of(200);
   std::size_t next = 0;
   const auto attack = [&] {  // 3,333 a second
-    (void)link->take_in(with_cookie(recorded[next % 150], cookies[next % 200]), hostile(next % 200), clock.time);
+    (void)link->accept(with_cookie(recorded[next % 150], cookies[next % 200]), hostile(next % 200), clock.time);
     ++next;
   };
   ClientEnd client = anna_end(1000);
@@ -137,7 +137,7 @@ TEST_F(Admission, GivesRecordedRequestsNoPlaceAfterARestart) {
     attack();
     turn();
   }
-  EXPECT_TRUE(link->take_in(client.seal("hello", clock.time), at_port(1), clock.time).has_value());
+  EXPECT_TRUE(link->accept(client.seal("hello", clock.time), at_port(1), clock.time).has_value());
   EXPECT_EQ(link->unconfirmed(), 0U);
   EXPECT_EQ(link->counters().handshakes, 1U);
   EXPECT_EQ(link->counters().handshakes_not_proven, next);
@@ -153,7 +153,7 @@ TEST_F(Admission, IsNotHeldUpByRequestsOfOneKeyFrom240Addresses) {
     for (int i = 0; i < 10 && next < 480; ++i, ++next) {
       ClientEnd stolen = anna_end(static_cast<std::uint32_t>(next + 1));
       stolen.set_cookie(cookies[next % 240]);
-      (void)link->take_in(stolen.request(), hostile(next % 240), clock.time);
+      (void)link->accept(stolen.request(), hostile(next % 240), clock.time);
     }
   };
   EXPECT_LE(turns_until_answered(client, at_port(1), attack), 40);
@@ -170,10 +170,10 @@ TEST_F(Admission, MakesOneHandshakeAtATimeAndOpensRecordsBefore) {
     get_cookie(asking.back(), hostile(i));
   }
   for (std::uint16_t i = 0; i < 20; ++i) {
-    EXPECT_FALSE(link->take_in(asking[i].request(), hostile(i), clock.time));
+    EXPECT_FALSE(link->accept(asking[i].request(), hostile(i), clock.time));
   }
   EXPECT_TRUE(sent().empty()) << "they wait";
-  EXPECT_TRUE(link->take_in(connected.seal("motion", clock.time), at_port(500), clock.time).has_value());
+  EXPECT_TRUE(link->accept(connected.seal("motion", clock.time), at_port(500), clock.time).has_value());
   for (int i = 0; i < 20; ++i) {
     ASSERT_TRUE(link->has_waiting());
     link->answer_waiting(clock.time);
@@ -187,9 +187,9 @@ TEST_F(Admission, HasLaterHandshakesWaitToo) {
   ClientEnd client = anna_end();
   join(client);
   client.begin(2);
-  EXPECT_FALSE(link->take_in(client.seal(client.later_request(), clock.time), at_port(1), clock.time));
+  EXPECT_FALSE(link->accept(client.seal(client.later_request(), clock.time), at_port(1), clock.time));
   EXPECT_TRUE(sent().empty());
-  EXPECT_TRUE(link->take_in(client.seal("motion", clock.time), at_port(1), clock.time).has_value());
+  EXPECT_TRUE(link->accept(client.seal("motion", clock.time), at_port(1), clock.time).has_value());
   link->answer_waiting(clock.time);
   EXPECT_EQ(sent().size(), 1U);
   EXPECT_EQ(link->counters().handshakes_later, 1U);
@@ -206,7 +206,7 @@ TEST_F(Admission, OfAClientWaitsWhileTwoOfItsRequestsAreNotConfirmed) {
   EXPECT_EQ(link->counters().handshakes_crowded, 1U);
   EXPECT_TRUE(arrive(clients[0].seal("hello", clock.time), at_port(1)).has_value());
   arrive(clients[2].request(), at_port(3));
-  EXPECT_TRUE(clients[2].take_answer(only_answer(), clock.time).has_value());
+  EXPECT_TRUE(clients[2].accept_answer(only_answer(), clock.time).has_value());
 }
 
 TEST_F(Admission, TellsFewOfThoseThatItCannotLetInWhy) {
@@ -216,7 +216,7 @@ TEST_F(Admission, TellsFewOfThoseThatItCannotLetInWhy) {
   sent();
   for (int i = 0; i < 3333; ++i) {  // in a second
     stranger.set_cookie(cookies[static_cast<std::size_t>(i) % 50]);
-    (void)link->take_in(stranger.request(), hostile(static_cast<std::size_t>(i) % 50), clock.time);
+    (void)link->accept(stranger.request(), hostile(static_cast<std::size_t>(i) % 50), clock.time);
     turn();
   }
   EXPECT_LE(sent().size(), 110U);
@@ -231,9 +231,9 @@ TEST_F(Admission, IsNotEndedByACopyOfTheRequestWithItsProofSpoilt) {
   Bytes spoilt = client.request();
   spoilt[security::kHandshakePrologueBytes + security::kCookieBytes + security::kProofBytes] ^= std::byte{1};
   arrive(spoilt);
-  EXPECT_FALSE(client.take_answer(only_answer(), clock.time)) << "who reads it would take itself for refused";
+  EXPECT_FALSE(client.accept_answer(only_answer(), clock.time)) << "who reads it would take itself for refused";
   arrive(client.request());
-  EXPECT_EQ(client.take_answer(only_answer(), clock.time)->verdict, Verdict::let_in);
+  EXPECT_EQ(client.accept_answer(only_answer(), clock.time)->verdict, Verdict::let_in);
 }
 
 TEST_F(Admission, OfWhoIsNewInTheListFollowsItAndOfWhoIsGoneEnds) {

@@ -74,7 +74,7 @@ class ClientEnd {
   }
 
   /// @return the server's public key in it
-  std::optional<security::PublicKey> take_offer(std::span<const std::byte> datagram) {
+  std::optional<security::PublicKey> accept_offer(std::span<const std::byte> datagram) {
     const auto read = security::read_handshake(datagram);
     const auto* const offer = std::get_if<security::CookieOffer>(&read);
     if (offer == nullptr || offer->topic != topic_) return std::nullopt;
@@ -85,7 +85,7 @@ class ClientEnd {
   void set_cookie(const security::Cookie& cookie) { cookie_ = cookie; }
 
   /// What the server decided; nothing: it is no answer to the newest handshake.
-  std::optional<security::Admission> take_answer(std::span<const std::byte> datagram, time::Nanoseconds now) {
+  std::optional<security::Admission> accept_answer(std::span<const std::byte> datagram, time::Nanoseconds now) {
     const auto read = security::read_handshake(datagram);
     const auto* const answer = std::get_if<security::HandshakeAnswer>(&read);
     if (answer == nullptr || answer->topic != topic_) return std::nullopt;

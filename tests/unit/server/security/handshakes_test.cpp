@@ -21,7 +21,7 @@ TEST_F(Handshakes, BeginWithACookieThatLeavesNothingBehindAndSaysTheServersKey) 
   EXPECT_FALSE(arrive(client.request()));
   const Bytes offer = only_answer();
   EXPECT_EQ(offer.size(), security::kCookieOfferBytes);
-  EXPECT_EQ(client.take_offer(offer), server);
+  EXPECT_EQ(client.accept_offer(offer), server);
   EXPECT_EQ(link->confirmed() + link->unconfirmed(), 0U);
   EXPECT_EQ(link->counters().cookies_offered, 1U);
 }
@@ -30,7 +30,7 @@ TEST_F(Handshakes, OfASharedKeyOfferNoPublicKey) {
   start_with_shared_key();
   ClientEnd client = shared_end();
   EXPECT_FALSE(arrive(client.request()));
-  EXPECT_EQ(client.take_offer(only_answer()), security::PublicKey{});
+  EXPECT_EQ(client.accept_offer(only_answer()), security::PublicKey{});
 }
 
 TEST_F(Handshakes, WithTheCookieGiveKeysThatTheFirstRecordConfirms) {
@@ -45,7 +45,7 @@ TEST_F(Handshakes, WithTheCookieGiveKeysThatTheFirstRecordConfirms) {
   EXPECT_THAT(*arrive(client.seal("motion", clock.time)), Pair("motion", "anna"));
   EXPECT_EQ(link->unconfirmed(), 0U);
   EXPECT_EQ(link->confirmed(), 1U);
-  EXPECT_EQ(heard_by(client, "force", at_port(1)), "force");
+  EXPECT_EQ(received_by(client, "force", at_port(1)), "force");
 }
 
 TEST_F(Handshakes, OfASharedKeyTellTheServerNobodysName) {
@@ -92,7 +92,7 @@ TEST_F(Handshakes, GiveACopyOfARequestTheSameAnswerAndNoSecondKeys) {
   for (int i = 0; i < 100; ++i) arrive(request);
   EXPECT_EQ(sent().size(), 9U) << "thirty at once";
   clock.time += 10s;
-  ASSERT_TRUE(client.take_answer(answer, clock.time).has_value());
+  ASSERT_TRUE(client.accept_answer(answer, clock.time).has_value());
   EXPECT_TRUE(arrive(client.seal("motion", clock.time)).has_value());
   arrive(request);
   EXPECT_EQ(only_answer(), answer) << "a late copy";
@@ -180,12 +180,12 @@ TEST_F(Handshakes, WithAnyBitOfTheRequestFlippedGiveNoKeys) {
     Bytes flipped = client.request();
     flipped[bit / 8] ^= std::byte{1} << bit % 8;
     EXPECT_FALSE(arrive(flipped)) << bit;
-    for (const auto& answer : sent()) EXPECT_FALSE(client.take_answer(answer.bytes, clock.time)) << bit;
+    for (const auto& answer : sent()) EXPECT_FALSE(client.accept_answer(answer.bytes, clock.time)) << bit;
     ASSERT_EQ(link->unconfirmed(), 0U) << bit;
   }
   get_cookie(client);
   arrive(client.request());
-  EXPECT_TRUE(client.take_answer(only_answer(), clock.time).has_value()) << "the flips did no harm";
+  EXPECT_TRUE(client.accept_answer(only_answer(), clock.time).has_value()) << "the flips did no harm";
 }
 
 TEST_F(Handshakes, WithAnyBitOfTheAnswerFlippedGiveTheClientNoKeys) {
@@ -197,9 +197,9 @@ TEST_F(Handshakes, WithAnyBitOfTheAnswerFlippedGiveTheClientNoKeys) {
   for (std::size_t bit = 0; bit < 8 * answer.size(); ++bit) {
     Bytes flipped = answer;
     flipped[bit / 8] ^= std::byte{1} << bit % 8;
-    EXPECT_FALSE(client.take_answer(flipped, clock.time)) << bit;
+    EXPECT_FALSE(client.accept_answer(flipped, clock.time)) << bit;
   }
-  EXPECT_TRUE(client.take_answer(answer, clock.time).has_value());
+  EXPECT_TRUE(client.accept_answer(answer, clock.time).has_value());
 }
 
 TEST_F(Handshakes, ThatAreNotUsedTakeBoundedRoomAndAreForgotten) {
@@ -301,15 +301,15 @@ TEST_F(Handshakes, ShowNoSecretInWhatIsSentOrSaid) {
   ClientEnd client({.own = &anna, .server = &server, .shared = &shared}, 1);
   std::string all;
   arrive(client.request());
-  const auto take_all = [&] {
+  const auto collect = [&] {
     for (const auto& datagram : inner.sent) {
       all.append(reinterpret_cast<const char*>(datagram.bytes.data()), datagram.bytes.size());
     }
   };
-  take_all();
-  client.take_offer(only_answer());
+  collect();
+  client.accept_offer(only_answer());
   arrive(client.request());
-  take_all();
+  collect();
   all += link->counters().text();
   for (const std::string& line : refusals.lines) all += line;
   for (const std::uint8_t number : {std::uint8_t{2}, std::uint8_t{3}}) {
@@ -343,13 +343,13 @@ TEST_F(LaterHandshakes, ChangeTheKeyWithoutLosingARecordOfEitherWay) {
     const Bytes early = client.seal("early", clock.time);
     const Bytes answer = ask();
     const Bytes meanwhile = client.seal("meanwhile", clock.time);
-    EXPECT_EQ(heard_by(client, "old key", at_port(1)), "old key") << "the client need not have the answer yet";
+    EXPECT_EQ(received_by(client, "old key", at_port(1)), "old key") << "the client need not have the answer yet";
     const auto content = client.open(answer, clock.time);
     ASSERT_TRUE(content.has_value());
-    ASSERT_TRUE(client.take_answer(*content, clock.time).has_value());
-    EXPECT_EQ(heard_by(client, "before", at_port(1)), "before");
+    ASSERT_TRUE(client.accept_answer(*content, clock.time).has_value());
+    EXPECT_EQ(received_by(client, "before", at_port(1)), "before");
     EXPECT_THAT(*arrive(client.seal("new key", clock.time)), Pair("new key", "anna"));
-    EXPECT_EQ(heard_by(client, "after", at_port(1)), "after");
+    EXPECT_EQ(received_by(client, "after", at_port(1)), "after");
     EXPECT_THAT(*arrive(meanwhile), Pair("meanwhile", "anna"));
     EXPECT_THAT(*arrive(early), Pair("early", "anna"));
   }
@@ -363,7 +363,7 @@ TEST_F(LaterHandshakes, GiveACopyOfTheRequestTheSameAnswer) {
   const auto second = client.open(ask(), clock.time);
   ASSERT_TRUE(first && second);
   EXPECT_EQ(*first, *second);
-  ASSERT_TRUE(client.take_answer(*first, clock.time).has_value());
+  ASSERT_TRUE(client.accept_answer(*first, clock.time).has_value());
   EXPECT_TRUE(arrive(client.seal("new key", clock.time)).has_value());
   EXPECT_EQ(link->counters().handshakes_again, 1U);
 }

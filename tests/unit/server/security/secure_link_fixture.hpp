@@ -72,7 +72,7 @@ class SecureLinkFixture : public testing::Test {
   std::optional<std::pair<std::string, std::string>> arrive(std::span<const std::byte> datagram,
                                                             const net::Address& from = at_port(1)) {
     const std::size_t before = inner.sent.size();
-    const auto content = link->take_in(datagram, from, clock.time);
+    const auto content = link->accept(datagram, from, clock.time);
     while (link->has_waiting()) link->answer_waiting(clock.time);
     std::size_t answered = 0;
     for (std::size_t i = before; i < inner.sent.size(); ++i) {
@@ -98,14 +98,14 @@ class SecureLinkFixture : public testing::Test {
   void get_cookie(ClientEnd& client, const net::Address& from = at_port(1)) {
     client.set_cookie({});
     EXPECT_FALSE(arrive(client.request(), from));
-    EXPECT_TRUE(client.take_offer(only_answer()).has_value());
+    EXPECT_TRUE(client.accept_offer(only_answer()).has_value());
   }
 
   /// Until the client has its answer.
   std::optional<security::Admission> shake_hands(ClientEnd& client, const net::Address& from = at_port(1)) {
     get_cookie(client, from);
     EXPECT_FALSE(arrive(client.request(), from));
-    return client.take_answer(only_answer(), clock.time);
+    return client.accept_answer(only_answer(), clock.time);
   }
 
   /// Until the server knows that the client has the keys.
@@ -117,8 +117,8 @@ class SecureLinkFixture : public testing::Test {
   }
 
   /// The content of what the client is sent at an address; empty: nothing that it can open.
-  std::string heard_by(ClientEnd& client, std::string_view said, const net::Address& to) {
-    if (!link->send(bytes_of(said), to)) return "";
+  std::string received_by(ClientEnd& client, std::string_view content, const net::Address& to) {
+    if (!link->send(bytes_of(content), to)) return "";
     const auto opened = client.open(only_answer(), clock.time);
     return opened ? std::string(reinterpret_cast<const char*>(opened->data()), opened->size()) : "";
   }

@@ -37,7 +37,7 @@ class SecureLinkMoves : public SecureLinkFixture {
 
   /// What it says last comes from there.
   SecureLink::MovedOut try_to_move(ClientEnd& client, const net::Address& from = at_port(1)) {
-    const auto content = link->take_in(client.seal("hello", clock.time), from, clock.time);
+    const auto content = link->accept(client.seal("hello", clock.time), from, clock.time);
     std::optional<SecureLink::Moving> moving;
     const auto moved_out = link->move_out(content->keys, 1, clock.time, [&](SecureLink::Moving& keys) {
       moving.emplace(std::move(keys));
@@ -64,19 +64,19 @@ class SecureLinkMoves : public SecureLinkFixture {
   bool made_at_other(const security::KeyPair& own) {
     clock.time += 200ms;
     ClientEnd client({.own = &own, .server = &server}, ++number_);
-    (void)other->take_in(client.request(), place(), clock.time);
-    if (!client.take_offer(other_inner.sent.back().bytes)) return false;
-    (void)other->take_in(client.request(), place(), clock.time);
+    (void)other->accept(client.request(), place(), clock.time);
+    if (!client.accept_offer(other_inner.sent.back().bytes)) return false;
+    (void)other->accept(client.request(), place(), clock.time);
     other->answer_waiting(clock.time);
-    const auto admission = client.take_answer(other_inner.sent.back().bytes, clock.time);
+    const auto admission = client.accept_answer(other_inner.sent.back().bytes, clock.time);
     return admission && admission->verdict == security::Verdict::let_in &&
-           other->take_in(client.seal("hello", clock.time), place(), clock.time).has_value();
+           other->accept(client.seal("hello", clock.time), place(), clock.time).has_value();
   }
 
   /// Of the client made last.
   [[nodiscard]] net::Address place() const { return at_port(static_cast<std::uint16_t>(number_)); }
 
-  std::string heard_from_other(ClientEnd& client, const net::Address& to) {
+  std::string received_from_other(ClientEnd& client, const net::Address& to) {
     other_inner.sent.clear();
     if (!other->send(bytes_of("force"), to)) return "";
     const auto opened = client.open(other_inner.sent.at(0).bytes, clock.time);
@@ -102,9 +102,9 @@ TEST_F(SecureLinkMoves, MoveToAWorkerThatThenOpensAndSealsForThem) {
   const Bytes record = client.seal("more", clock.time);
   EXPECT_EQ(link->moved_to(record), 1U);
   EXPECT_EQ(other->moved_to(record), std::nullopt) << "it is there";
-  EXPECT_FALSE(link->take_in(record, at_port(1), clock.time));
-  EXPECT_TRUE(other->take_in(record, at_port(1), clock.time));
-  EXPECT_EQ(heard_from_other(client, at_port(1)), "force");
+  EXPECT_FALSE(link->accept(record, at_port(1), clock.time));
+  EXPECT_TRUE(other->accept(record, at_port(1), clock.time));
+  EXPECT_EQ(received_from_other(client, at_port(1)), "force");
   EXPECT_FALSE(link->send(bytes_of("force"), at_port(1)));
 }
 
@@ -118,7 +118,7 @@ TEST_F(SecureLinkMoves, StayAsTheyAreWhereTheOtherDoesNotTakeThem) {
   EXPECT_EQ(link->moved_to(record), std::nullopt);
   EXPECT_EQ(moved->count(), 0U);
   EXPECT_EQ(link->confirmed(), 1U);
-  EXPECT_EQ(heard_by(client, "force", at_port(1)), "force");
+  EXPECT_EQ(received_by(client, "force", at_port(1)), "force");
   EXPECT_TRUE(arrive(record).has_value());
 }
 
@@ -142,7 +142,7 @@ TEST_F(SecureLinkMoves, DoNotTakeTheAddressOfAnotherClientThatWasJustHeardThere)
   join(client);
   ASSERT_TRUE(move(client)) << "which sends from the other's address";
   EXPECT_EQ(other->counters().addresses_of_others, 1U);
-  EXPECT_EQ(heard_from_other(victim, at_port(1)), "force");
+  EXPECT_EQ(received_from_other(victim, at_port(1)), "force");
 }
 
 TEST_F(SecureLinkMoves, AreForgottenEverywhereAtOnceWhateverIsSentUnderTheirNumber) {
@@ -155,7 +155,7 @@ TEST_F(SecureLinkMoves, AreForgottenEverywhereAtOnceWhateverIsSentUnderTheirNumb
   for (int i = 0; i < 100; ++i) {
     clock.time += 1s;
     if (link->moved_to(forged)) {
-      EXPECT_FALSE(other->take_in(forged, at_port(1), clock.time));
+      EXPECT_FALSE(other->accept(forged, at_port(1), clock.time));
     }
     link->on_timer(clock.time);
     other->on_timer(clock.time);
@@ -249,10 +249,10 @@ TEST_F(SecureLinkMoves, ComeBackThoughOthersHaveTakenTheirPlaces) {
   for (std::size_t i = 0; i < most; ++i) (void)made_at_link(bert);
   ASSERT_EQ(link->confirmed(), most);
   for (const std::uint32_t keys : away) {
-    const auto take_back = [&](SecureLink::Moving& moving) {
+    const auto move_in = [&](SecureLink::Moving& moving) {
       return link->move_in(std::move(moving), at_port(static_cast<std::uint16_t>(keys)), clock.time).has_value();
     };
-    EXPECT_EQ(other->move_out(keys, 0, clock.time, take_back), MovedOut::moved);
+    EXPECT_EQ(other->move_out(keys, 0, clock.time, move_in), MovedOut::moved);
   }
   EXPECT_EQ(link->confirmed(), most + 10);
   EXPECT_EQ(moved->count(), 0U);
@@ -261,29 +261,29 @@ TEST_F(SecureLinkMoves, ComeBackThoughOthersHaveTakenTheirPlaces) {
 TEST(MovedKeys, KnowThemUntilTheyAreBackOrForgotten) {
   MovedKeys moved(2, 4);
   EXPECT_EQ(moved.worker_of(0x101), std::nullopt);
-  EXPECT_TRUE(moved.note(0x101, 3));
-  EXPECT_TRUE(moved.note(0x102, 3));
-  EXPECT_FALSE(moved.note(0x103, 0)) << "two are as many as may be";
-  EXPECT_TRUE(moved.note(0x101, 2)) << "but those that moved may move on";
+  EXPECT_TRUE(moved.store(0x101, 3));
+  EXPECT_TRUE(moved.store(0x102, 3));
+  EXPECT_FALSE(moved.store(0x103, 0)) << "two are as many as may be";
+  EXPECT_TRUE(moved.store(0x101, 2)) << "but those that moved may move on";
   EXPECT_EQ(moved.worker_of(0x101), 2U);
   EXPECT_EQ(moved.count(), 2U);
-  EXPECT_TRUE(moved.note(0x101, 1));
+  EXPECT_TRUE(moved.store(0x101, 1));
   EXPECT_EQ(moved.worker_of(0x101), std::nullopt);
   moved.forget(0x102);
   EXPECT_EQ(moved.worker_of(0x102), std::nullopt);
-  EXPECT_TRUE(moved.note(0x103, 0));
+  EXPECT_TRUE(moved.store(0x103, 0));
 }
 
 TEST(MovedKeys, AreOfAClientNoMoreThanItLeavesFree) {
   const security::PublicKey one = security::public_key(1);
   const security::PublicKey two = security::public_key(2);
   MovedKeys moved(4, 2);
-  EXPECT_TRUE(moved.note(2, 1, &one));
-  EXPECT_TRUE(moved.note(4, 1, &one));
-  EXPECT_FALSE(moved.note(6, 1, &one));
-  EXPECT_TRUE(moved.note(8, 1, &two));
-  EXPECT_FALSE(moved.note(10, 1, &two)) << "one is left, for a third";
-  EXPECT_TRUE(moved.note(10, 1)) << "whose client is not known";
+  EXPECT_TRUE(moved.store(2, 1, &one));
+  EXPECT_TRUE(moved.store(4, 1, &one));
+  EXPECT_FALSE(moved.store(6, 1, &one));
+  EXPECT_TRUE(moved.store(8, 1, &two));
+  EXPECT_FALSE(moved.store(10, 1, &two)) << "one is left, for a third";
+  EXPECT_TRUE(moved.store(10, 1)) << "whose client is not known";
 }
 
 }  // namespace

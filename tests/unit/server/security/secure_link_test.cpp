@@ -69,8 +69,8 @@ TEST_F(SealedDatagrams, AreAnsweredWhereTheNewestTwoCameFrom) {
   for (const std::uint16_t port : {std::uint16_t{2}, std::uint16_t{3}}) {
     EXPECT_TRUE(arrive(client.seal("motion", clock.time), at_port(port)).has_value());
   }
-  EXPECT_EQ(heard_by(client, "force", at_port(3)), "force");
-  EXPECT_EQ(heard_by(client, "force", at_port(2)), "force");
+  EXPECT_EQ(received_by(client, "force", at_port(3)), "force");
+  EXPECT_EQ(received_by(client, "force", at_port(2)), "force");
   EXPECT_FALSE(link->send(bytes_of("force"), at_port(1)));
   EXPECT_FALSE(link->send(bytes_of("force"), at_port(4))) << "from there nothing came";
 }
@@ -78,9 +78,9 @@ TEST_F(SealedDatagrams, AreAnsweredWhereTheNewestTwoCameFrom) {
 TEST_F(SealedDatagrams, DecideByTheNewestWhoseKeysAnAddressGets) {
   ClientEnd next = anna_end(12);
   join(next);
-  EXPECT_EQ(heard_by(next, "force", at_port(1)), "force");
+  EXPECT_EQ(received_by(next, "force", at_port(1)), "force");
   EXPECT_TRUE(arrive(client.seal("motion", clock.time)).has_value());
-  EXPECT_EQ(heard_by(client, "force", at_port(1)), "force");
+  EXPECT_EQ(received_by(client, "force", at_port(1)), "force");
 }
 
 TEST_F(SealedDatagrams, FromTheAddressOfAnotherClientDoNotGetWhatIsMeantForIt) {
@@ -90,12 +90,12 @@ TEST_F(SealedDatagrams, FromTheAddressOfAnotherClientDoNotGetWhatIsMeantForIt) {
   join(honest, at_port(1));
   join(forges, at_port(2));
   EXPECT_TRUE(arrive(forges.seal("motion", clock.time), at_port(1)).has_value());
-  EXPECT_EQ(heard_by(honest, "force", at_port(1)), "force");
+  EXPECT_EQ(received_by(honest, "force", at_port(1)), "force");
   EXPECT_EQ(link->counters().addresses_of_others, 1U);
   // An address that is used no more may become another's.
   clock.time += 2s;
   EXPECT_TRUE(arrive(forges.seal("motion", clock.time), at_port(1)).has_value());
-  EXPECT_EQ(heard_by(forges, "force", at_port(1)), "force");
+  EXPECT_EQ(received_by(forges, "force", at_port(1)), "force");
 }
 
 TEST_F(SealedDatagrams, AreOpenedOfClientsOnANewListAndOfNoOthers) {
@@ -136,14 +136,14 @@ TEST_F(SealedDatagrams, FreeTheAddressesOfSessionsThatAreNoMore) {
     join(next, at_port(static_cast<std::uint16_t>(10 + round)));
     EXPECT_TRUE(arrive(next.seal("motion", clock.time), at_port(static_cast<std::uint16_t>(11 + round))).has_value());
     EXPECT_EQ(link->confirmed(), 1U);
-    EXPECT_EQ(heard_by(next, "force", at_port(static_cast<std::uint16_t>(10 + round))), "force");
+    EXPECT_EQ(received_by(next, "force", at_port(static_cast<std::uint16_t>(10 + round))), "force");
   }
 }
 
 TEST_F(SealedDatagrams, OfTheGreatestLengthPass) {
   const std::string longest(wire::kFrameBytesMax, 'x');
   EXPECT_THAT(*arrive(client.seal(longest, clock.time)), Pair(longest, "anna"));
-  EXPECT_EQ(heard_by(client, longest, at_port(1)), longest);
+  EXPECT_EQ(received_by(client, longest, at_port(1)), longest);
   EXPECT_FALSE(link->send(Bytes(net::kDatagramBytesMax), at_port(1)));
 }
 
@@ -174,12 +174,12 @@ TEST_F(SealedDatagrams, DoNotAllocateNorDoThoseThatAreDroppedNorNewAddresses) {
   for (std::uint16_t i = 0; i < kRecords; ++i) {
     const net::Address from = at_port(static_cast<std::uint16_t>(20 + i % 5));
     Bytes& record = all[i];
-    opened += link->take_in(record, from, clock.time) ? 1 : 0;
+    opened += link->accept(record, from, clock.time) ? 1 : 0;
     answered += link->send(force, from) ? 1 : 0;
-    (void)link->take_in(record, from, clock.time);  // replayed
+    (void)link->accept(record, from, clock.time);  // replayed
     record.back() ^= std::byte{1};
-    (void)link->take_in(record, from, clock.time);  // not authentic, or replayed
-    (void)link->take_in(noise, from, clock.time);
+    (void)link->accept(record, from, clock.time);  // not authentic, or replayed
+    (void)link->accept(noise, from, clock.time);
     link->on_timer(clock.time);
   }
   EXPECT_EQ(guard.heap_operations(), 0U);

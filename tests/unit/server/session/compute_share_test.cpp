@@ -12,7 +12,7 @@ int answers(ComputeShare& share, time::Nanoseconds& now, time::Nanoseconds durat
   int begun = 0;
   for (const auto end = now + duration; now < end; now += 1ms) {
     if (!share.may_answer(now)) continue;
-    share.note(each, now);
+    share.charge(each, now);
     ++begun;
   }
   return begun;
@@ -50,7 +50,7 @@ TEST(ComputeShare, AllowsABurstAfterARest) {
 
 TEST(ComputeShare, IsNotMovedByAClockThatStandsStillOrGoesBack) {
   ComputeShare share(0.5, 5s);
-  for (int i = 0; i < 100; ++i) share.note(1ms, 5s);
+  for (int i = 0; i < 100; ++i) share.charge(1ms, 5s);
   EXPECT_FALSE(share.may_answer(5s));
   EXPECT_FALSE(share.may_answer(4s));
 }

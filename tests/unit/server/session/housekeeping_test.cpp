@@ -40,9 +40,9 @@ TEST_F(HousekeepingTest, EvictsNobodyWhoMayStillSendMotion) {
 }
 
 TEST_F(HousekeepingTest, EvictsWhoIsSilentForLongestWherePlacesAreFew) {
-  open_moving(1).last_heard = seconds{5};
-  open_moving(2).last_heard = seconds{3};
-  open_moving(3).last_heard = seconds{4};
+  open_moving(1).last_received = seconds{5};
+  open_moving(2).last_received = seconds{3};
+  open_moving(3).last_received = seconds{4};
   clock.time = seconds{30};
   EXPECT_FALSE(housekeeping.evict_one(clock.time, {})) << "they have sent motion";
   EXPECT_TRUE(housekeeping.evict_one(clock.time, [](const Session& session) { return session.nonce != 2; }));
@@ -52,7 +52,7 @@ TEST_F(HousekeepingTest, EvictsWhoIsSilentForLongestWherePlacesAreFew) {
 TEST_F(HousekeepingTest, EvictsADeviceThatDoesNotMoveAndCountsItAsThat) {
   Session& session = open_moving(1);
   clock.time = options.stillness_timeout + milliseconds{1};
-  session.last_heard = clock.time;
+  session.last_received = clock.time;
   EXPECT_TRUE(housekeeping.evict_one(clock.time, [](const Session&) { return true; }));
   EXPECT_EQ(counters.sessions_still, 1U);
   EXPECT_EQ(counters.sessions_idle, 0U);

@@ -32,7 +32,7 @@ class PartsFixture : public testing::Test {
         .server_side = {},
         .rate = time::TokenBucket(milliseconds{1}, 1000, clock.time),
         .hellos = time::TokenBucket(milliseconds{50}, 20, clock.time),
-        .last_heard = clock.time,
+        .last_received = clock.time,
         .last_moved = clock.time,
         .proven_at = from,
         .compute = ComputeShare(options.session_compute_max, clock.time)};

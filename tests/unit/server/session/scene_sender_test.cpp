@@ -28,7 +28,7 @@ class FarClient {
   void live(Nanoseconds until) {
     for (; now_ < until; now_ += 1ms) {
       while (!down_.empty() && down_.begin()->first <= now_) {
-        receipts_.note(down_.begin()->second.transmission);
+        receipts_.add(down_.begin()->second.transmission);
         got.insert(down_.begin()->second.number);
         down_.erase(down_.begin());
       }

@@ -68,7 +68,7 @@ TEST_F(ServerWithServerLaws, DoesNotReceiveSupersededMotions) {
                     {.address = address(1)}, clock.time);
   }
   server->answer_waiting();
-  EXPECT_THAT(log.ticks_heard, ElementsAre(3));
+  EXPECT_THAT(log.ticks_received, ElementsAre(3));
 }
 
 TEST_F(ServerWithServerLaws, GivesEachSessionAServerSideLawOfItsOwn) {
@@ -143,14 +143,14 @@ TEST_F(ServerWithServerLaws, DoesNotAllocate) {
   const test::AllocationGuard guard;
   for (std::uint64_t i = 1; i <= 100; ++i) arrive(saying(motion(session, i), static_cast<double>(i)));
   EXPECT_EQ(guard.heap_operations(), 0U);
-  EXPECT_EQ(log.ticks_heard.size(), 100U);
+  EXPECT_EQ(log.ticks_received.size(), 100U);
 }
 
 /// Returns values that are not finite.
 class BrokenServerSideLaw final : public control::ServerSideLaw {
  public:
-  [[nodiscard]] control::Vector place(const Heard& heard) noexcept override { return heard.position / 0.0; }
-  [[nodiscard]] Said answer(const control::Vector& force_N) noexcept override {
+  [[nodiscard]] control::Vector place(const Received& received) noexcept override { return received.position / 0.0; }
+  [[nodiscard]] Reply answer(const control::Vector& force_N) noexcept override {
     return {.force = force_N, .numbers = {}};
   }
 };

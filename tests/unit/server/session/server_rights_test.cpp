@@ -105,8 +105,8 @@ TEST_F(ServerRights, WithoutAMostOfSessionsAreAFairShareOfThem) {
   const auto enters = [&](const ClientRights& rights) {
     ++number;
     server->on_datagram(encoded(hello(number)), address(number), clock.time, rights);
-    const auto said = answers();
-    return !said.empty() && std::holds_alternative<wire::Welcome>(said.back());
+    const auto replies = answers();
+    return !replies.empty() && std::holds_alternative<wire::Welcome>(replies.back());
   };
   int held = 0;
   for (int i = 0; i < 64; ++i) held += enters(stolen) ? 1 : 0;

@@ -81,10 +81,10 @@ TEST_F(SharedSceneTest, APlaceIsLostToWhoAsksForItByADeviceThatStaysWhereItIsFor
   EXPECT_EQ(only_answer<wire::Refusal>().reason, wire::RefusalReason::server_full) << "it may go on in a moment";
   for_50_s(0.042);
   arrive(hello_of(3), address(3));
-  const auto said = answers();
-  ASSERT_EQ(said.size(), 2U);
-  EXPECT_EQ(std::get<wire::Bye>(said[0]).session, left) << "an encoder's steps are no motion";
-  EXPECT_TRUE(std::holds_alternative<wire::Welcome>(said[1]));
+  const auto replies = answers();
+  ASSERT_EQ(replies.size(), 2U);
+  EXPECT_EQ(std::get<wire::Bye>(replies[0]).session, left) << "an encoder's steps are no motion";
+  EXPECT_TRUE(std::holds_alternative<wire::Welcome>(replies[1]));
   EXPECT_EQ(server->counters().sessions_still, 1U);
   EXPECT_EQ(server->counters().sessions_idle, 0U);
 }

@@ -45,7 +45,7 @@ class ViewSenderTest : public ServerFixture {
         const auto* const piece = std::get_if<wire::ViewPiece>(&message);
         if (piece == nullptr) continue;
         ++pieces;
-        (void)assembly.take(received(*piece));
+        (void)assembly.add(received(*piece));
       }
     }
   }

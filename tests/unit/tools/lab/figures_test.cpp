@@ -213,10 +213,10 @@ TEST(Figures, WithoutGnuplotLeaveDataAndScriptAndNameThePackageToInstall) {
   ::setenv("PATH", "/nowhere", 1);
   testing::internal::CaptureStderr();
   const auto left = two_laws("").draw_to(folder.path() / "laws.png");
-  const std::string said = testing::internal::GetCapturedStderr();
+  const std::string output = testing::internal::GetCapturedStderr();
   ::setenv("PATH", path.c_str(), 1);
   EXPECT_EQ(left, folder.path() / "laws.gnuplot");
-  EXPECT_THAT(said, AllOf(HasSubstr("not installed"), HasSubstr("gnuplot-nox"), HasSubstr(left.string())));
+  EXPECT_THAT(output, AllOf(HasSubstr("not installed"), HasSubstr("gnuplot-nox"), HasSubstr(left.string())));
   EXPECT_TRUE(std::filesystem::exists(left));
   EXPECT_GT(std::filesystem::file_size(folder.path() / "laws.csv"), 1000U);
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "laws.png"));

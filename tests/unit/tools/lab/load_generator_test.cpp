@@ -16,7 +16,7 @@ using testing::HasSubstr;
 class LoadGeneratorTest : public testing::Test {
  protected:
   template <class Message>
-  Message said(std::span<const std::byte> datagram) {
+  Message sent(std::span<const std::byte> datagram) {
     const auto decoded = server_.decode(datagram);
     return std::get<Message>(std::get<wire::Message>(decoded));
   }
@@ -33,15 +33,15 @@ class LoadGeneratorTest : public testing::Test {
 TEST_F(LoadGeneratorTest, GivesEachVirtualClientItsOwnNonceAndTheSessionOfItsWelcome) {
   LoadGenerator load_generator({.degrees_of_freedom = 2, .scene = "circle", .first_nonce = 1000});
   load_generator.grow(2);
-  const auto first = said<wire::Hello>(load_generator.hello(0, 0ms));
+  const auto first = sent<wire::Hello>(load_generator.hello(0, 0ms));
   EXPECT_EQ(first.degrees_of_freedom, 2U);
   EXPECT_EQ(first.scene, "circle");
-  const auto second = said<wire::Hello>(load_generator.hello(1, 0ms)).client_nonce;
+  const auto second = sent<wire::Hello>(load_generator.hello(1, 0ms)).client_nonce;
   arrive(load_generator, wire::Welcome{.client_nonce = second, .session = 77});
   EXPECT_FALSE(load_generator.connected(0));
   EXPECT_TRUE(load_generator.connected(1));
-  EXPECT_EQ(said<wire::MotionSample>(load_generator.motion(1, 5ms)).session, 77U);
-  EXPECT_EQ(said<wire::Bye>(load_generator.bye(1)).session, 77U);
+  EXPECT_EQ(sent<wire::MotionSample>(load_generator.motion(1, 5ms)).session, 77U);
+  EXPECT_EQ(sent<wire::Bye>(load_generator.bye(1)).session, 77U);
   arrive(load_generator, wire::Welcome{.client_nonce = 999, .session = 5});  // another client's
   EXPECT_FALSE(load_generator.connected(0));
 }
@@ -50,12 +50,12 @@ TEST_F(LoadGeneratorTest, NumbersTheMotionsOfEachVirtualClientAndStampsThem) {
   LoadGenerator load_generator({.degrees_of_freedom = 3, .echo = true});
   load_generator.grow(2);
   static_cast<void>(load_generator.motion(0, 1ms));
-  const auto motion = said<wire::MotionSample>(load_generator.motion(0, 2ms));
+  const auto motion = sent<wire::MotionSample>(load_generator.motion(0, 2ms));
   EXPECT_EQ(motion.sequence, 2U);
   EXPECT_EQ(motion.device_time, 2ms);
   EXPECT_EQ(motion.position.rows(), 3);
   EXPECT_NEAR(motion.position.norm(), 0.02, 1e-12);
-  EXPECT_EQ(said<wire::MotionSample>(load_generator.motion(1, 2ms)).sequence, 1U);
+  EXPECT_EQ(sent<wire::MotionSample>(load_generator.motion(1, 2ms)).sequence, 1U);
   EXPECT_EQ(load_generator.tally().sent, 3U);
 }
 
@@ -105,7 +105,7 @@ TEST_F(LoadGeneratorTest, KeepsTheServersRefusal) {
 TEST_F(LoadGeneratorTest, SaysTheRoundTripToAServerThatWantsItAndIsNotRefusedByThat) {
   LoadGenerator load_generator({});
   load_generator.grow(2);
-  const auto hello = said<wire::Hello>(load_generator.hello(1, 10ms));
+  const auto hello = sent<wire::Hello>(load_generator.hello(1, 10ms));
   EXPECT_EQ(hello.round_trip, 0ms);
   EXPECT_EQ(hello.client_time, 10ms);
   arrive(load_generator,
@@ -115,10 +115,10 @@ TEST_F(LoadGeneratorTest, SaysTheRoundTripToAServerThatWantsItAndIsNotRefusedByT
                        .client_time = hello.client_time},
          13ms, 13ms);
   EXPECT_EQ(load_generator.refusal(), "");
-  const auto again = said<wire::Hello>(load_generator.hello(1, 20ms));
+  const auto again = sent<wire::Hello>(load_generator.hello(1, 20ms));
   EXPECT_EQ(again.client_nonce, hello.client_nonce);
   EXPECT_EQ(again.round_trip, 3ms);
-  EXPECT_EQ(said<wire::Hello>(load_generator.hello(0, 20ms)).round_trip, 0ms) << "each measures its own";
+  EXPECT_EQ(sent<wire::Hello>(load_generator.hello(0, 20ms)).round_trip, 0ms) << "each measures its own";
 }
 
 TEST_F(LoadGeneratorTest, CountsMotionsThatAreNeverAnsweredAsNeverInTime) {
@@ -145,13 +145,13 @@ TEST_F(LoadGeneratorTest, CountsMotionsThatAreNeverAnsweredAsNeverInTime) {
 TEST_F(LoadGeneratorTest, AsksForTheSceneAndAcknowledgesItsPiecesUntilAllAreThere) {
   LoadGenerator load_generator({.renders_locally = true});
   load_generator.grow(2);
-  const auto hello = said<wire::Hello>(load_generator.hello(1, 0ms));
+  const auto hello = sent<wire::Hello>(load_generator.hello(1, 0ms));
   EXPECT_TRUE(hello.renders_locally);
   const wire::Welcome welcome{
       .client_nonce = hello.client_nonce, .session = 77, .offer = {.manifest_bytes = 10, .pieces = 3}};
   arrive(load_generator, welcome);
   EXPECT_FALSE(load_generator.wants_pieces(0)) << "not connected";
-  EXPECT_EQ(said<wire::MotionSample>(load_generator.motion(1, 1ms)).pieces, (wire::PieceReceipt{.wanted = true}));
+  EXPECT_EQ(sent<wire::MotionSample>(load_generator.motion(1, 1ms)).pieces, (wire::PieceReceipt{.wanted = true}));
   const std::vector<std::byte> content(100);
   const auto piece = [&](std::uint64_t transmission, std::uint32_t number) {
     arrive(load_generator,
@@ -161,12 +161,12 @@ TEST_F(LoadGeneratorTest, AsksForTheSceneAndAcknowledgesItsPiecesUntilAllAreTher
   piece(3, 0);
   piece(3, 0);                      // a copy
   arrive(load_generator, welcome);  // late: nothing begins anew
-  EXPECT_EQ(said<wire::MotionSample>(load_generator.motion(1, 2ms)).pieces,
+  EXPECT_EQ(sent<wire::MotionSample>(load_generator.motion(1, 2ms)).pieces,
             (wire::PieceReceipt{.wanted = true, .newest = 3, .before = 2}));
   EXPECT_TRUE(load_generator.wants_pieces(1));
   piece(4, 1);
   EXPECT_FALSE(load_generator.wants_pieces(1));
-  EXPECT_EQ(said<wire::MotionSample>(load_generator.motion(1, 3ms)).pieces, wire::PieceReceipt{});
+  EXPECT_EQ(sent<wire::MotionSample>(load_generator.motion(1, 3ms)).pieces, wire::PieceReceipt{});
   EXPECT_EQ(load_generator.handed_over().pieces, 4U);
   EXPECT_EQ(load_generator.handed_over().bytes, 400U);
   EXPECT_EQ(load_generator.tally().foreign, 0U);
@@ -178,7 +178,7 @@ TEST_F(LoadGeneratorTest, WantsNoSceneWithRemoteRenderingNorOneOfMorePiecesThanA
   for (const bool locally : {false, true}) {
     LoadGenerator load_generator({.renders_locally = locally});
     load_generator.grow(1);
-    const auto hello = said<wire::Hello>(load_generator.hello(0, 0ms));
+    const auto hello = sent<wire::Hello>(load_generator.hello(0, 0ms));
     EXPECT_EQ(hello.renders_locally, locally);
     arrive(load_generator, wire::Welcome{.client_nonce = hello.client_nonce,
                                          .session = 77,
@@ -192,7 +192,7 @@ TEST_F(LoadGeneratorTest, CountsAnswersWithLocalModels) {
   LoadGenerator load_generator({.height_m = -0.003});
   load_generator.grow(1);
   load_generator.begin(10ms);
-  EXPECT_EQ(said<wire::MotionSample>(load_generator.motion(0, 11ms)).position[2], -0.003);
+  EXPECT_EQ(sent<wire::MotionSample>(load_generator.motion(0, 11ms)).position[2], -0.003);
   wire::EnvironmentForce force{.motion_device_time = 11ms};
   arrive(load_generator, force);
   force.answer.model.has_field = true;

@@ -191,7 +191,7 @@ class Checks {
     add("units along " + name, verdict_of(plausible), "moves like " + short_text(mass_kg_) + " kg",
         short_text(kMass_kg_min) + " to " + short_text(kMass_kg_max) + " kg");
     if (!plausible) return give_up("no more force: its units cannot be right");
-    driving_.note_mass(mass_kg_);
+    driving_.keep_lightest(mass_kg_);
     brake_after("the push along " + name);
   }
 

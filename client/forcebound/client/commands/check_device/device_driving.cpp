@@ -89,7 +89,7 @@ bool DeviceDriving::read_next() {
   timed("read", [&] { read = device_.read(now_); });
   // As the client does.
   const device::Reading reading = device::usable_or_lost(read, facts(), now_, std::max(now_, pace_.now()));
-  note(reading, now_);
+  store_reading(reading, now_);
   return reading.status == device::Reading::Status::ok;
 }
 
@@ -122,7 +122,7 @@ OutOfControl DeviceDriving::blind() const {
                       "one at least each " + ms(blind_most()));
 }
 
-void DeviceDriving::note(const device::Reading& reading, Nanoseconds now) {
+void DeviceDriving::store_reading(const device::Reading& reading, Nanoseconds now) {
   if (reading.status == device::Reading::Status::stale) {
     ++readings_.stale;
     return;

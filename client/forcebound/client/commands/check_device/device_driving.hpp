@@ -99,7 +99,7 @@ class DeviceDriving {
   };
   [[nodiscard]] Push push(const PushSettings& settings);
   /// What it moves like along the lightest axis pushed so far, so that braking is not too hard for it.
-  void note_mass(double mass_kg) { mass_kg_ = std::min(mass_kg_, mass_kg); }
+  void keep_lightest(double mass_kg) { mass_kg_ = std::min(mass_kg_, mass_kg); }
   /// Opposes the motion until there is none, once it is no faster than it may be. @throws OutOfControl as `tick`
   void brake(double force_N);
 
@@ -129,7 +129,7 @@ class DeviceDriving {
   bool read_next();
   void command(const Vector& force);
   void timed(const char* name, const std::function<void()>& call);
-  void note(const device::Reading& reading, Nanoseconds now);
+  void store_reading(const device::Reading& reading, Nanoseconds now);
   [[nodiscard]] Vector velocity_since(const Place& from) const;
   [[nodiscard]] double speed_now() const;
   void expect_slow();

@@ -33,7 +33,7 @@ void run_doctor(const DoctorCommandOptions& options) {
   const DoctorFindings findings = [&] {
     program::Progress progress;
     return examine(options.settings,
-                   [&progress](double share, const std::string& words) { progress.tell(share, words); });
+                   [&progress](double share, const std::string& words) { progress.report(share, words); });
   }();
   const DoctorVerdict verdict = doctor_verdict(findings);
   std::fputs(doctor_text(findings, verdict).c_str(), stdout);

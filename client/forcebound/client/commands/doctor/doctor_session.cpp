@@ -47,13 +47,13 @@ void DoctorSession::keep_connected() noexcept {
 
 void DoctorSession::tick() noexcept {
   if (!connected()) return keep_connected();
-  if (!link_.send(codec_.encode(next_motion()), settings_.server)) forces_.note_not_sent();
+  if (!link_.send(codec_.encode(next_motion()), settings_.server)) forces_.uncount_sent();
   receive();
 }
 
 wire::MotionSample DoctorSession::next_motion() noexcept {
   const Nanoseconds now = clock_.now();
-  wire::MotionSample motion{.session = connection_.session(), .sequence = forces_.note_sent(now), .device_time = now};
+  wire::MotionSample motion{.session = connection_.session(), .sequence = forces_.count_sent(now), .device_time = now};
   motion.position = control::Vector::Zero(settings_.degrees_of_freedom);
   if (pieces_missing_ > 0) motion.pieces = receipts_.receipt(true);
   return motion;
@@ -65,7 +65,7 @@ std::uint64_t DoctorSession::send_motion(std::size_t bytes) {
   const std::span<const std::byte> datagram = codec_.encode(motion);
   const auto longer = padded(datagram, bytes == 0 ? datagram.size() : bytes);
   if (longer && link_.send(*longer, settings_.server)) return motion.sequence;
-  forces_.note_not_sent();
+  forces_.uncount_sent();
   return 0;
 }
 
@@ -75,28 +75,28 @@ void DoctorSession::receive() noexcept {
     largest_bytes_ = std::max(largest_bytes_, received->bytes);
     const auto decoded = codec_.decode(std::span(buffer_).first(std::min(received->bytes, buffer_.size())));
     if (const auto* const message = std::get_if<wire::Message>(&decoded)) {
-      take_in(*message, arrival);
+      receive(*message, arrival);
     } else {
       ++malformed_;
     }
   }
 }
 
-void DoctorSession::take_in(const wire::Message& message, Nanoseconds arrival) noexcept {
+void DoctorSession::receive(const wire::Message& message, Nanoseconds arrival) noexcept {
   if (const auto* const force = std::get_if<wire::EnvironmentForce>(&message)) {
-    take_in(*force, arrival);
+    receive(*force, arrival);
   } else if (const auto* const piece = std::get_if<wire::ScenePiece>(&message)) {
-    take_in(*piece);
+    receive(*piece);
   } else if (const auto* const welcome = std::get_if<wire::Welcome>(&message)) {
-    take_in(*welcome, arrival);
+    receive(*welcome, arrival);
   } else if (const auto* const refusal = std::get_if<wire::Refusal>(&message)) {
-    take_in(*refusal, arrival);
+    receive(*refusal, arrival);
   } else if (const auto* const bye = std::get_if<wire::Bye>(&message)) {
-    take_in(*bye, arrival);
+    receive(*bye, arrival);
   }
 }
 
-void DoctorSession::take_in(const wire::Welcome& welcome, Nanoseconds arrival) noexcept {
+void DoctorSession::receive(const wire::Welcome& welcome, Nanoseconds arrival) noexcept {
   if (!connection_.on_welcome(welcome)) return;
   forces_.begin_session(welcome.session);
   // Another server may have another clock.
@@ -117,13 +117,13 @@ void DoctorSession::take_in(const wire::Welcome& welcome, Nanoseconds arrival) n
   receipts_ = {};
 }
 
-void DoctorSession::take_in(const wire::Refusal& refusal, Nanoseconds arrival) noexcept {
+void DoctorSession::receive(const wire::Refusal& refusal, Nanoseconds arrival) noexcept {
   if (connection_.on_refusal(refusal, arrival) != client::Connection::Refused::hello) return;
   handshake_.refused_for = refusal.reason;
   handshake_.refusal = text::printable(refusal.text);
 }
 
-void DoctorSession::take_in(const wire::EnvironmentForce& force, Nanoseconds arrival) noexcept {
+void DoctorSession::receive(const wire::EnvironmentForce& force, Nanoseconds arrival) noexcept {
   using Arrived = client::ForceStream::Verdict;
   const Arrived verdict = forces_.accept(force, arrival);
   if (verdict != Arrived::newest && verdict != Arrived::reordered) return;
@@ -131,7 +131,7 @@ void DoctorSession::take_in(const wire::EnvironmentForce& force, Nanoseconds arr
                                             .received = force.server_receive_time,
                                             .answered = force.server_send_time,
                                             .arrived = arrival};
-  clocks_.note(times);
+  clocks_.update(times);
   newest_answered_ = std::max(newest_answered_, force.motion_sequence);
   if (answers_.size() < answers_.capacity())
     answers_.push_back({.motion = force.motion_sequence, .times = times, .compute = force.compute_time});
@@ -141,17 +141,17 @@ void DoctorSession::take_in(const wire::EnvironmentForce& force, Nanoseconds arr
   newest_arrived_ = arrival;
 }
 
-void DoctorSession::take_in(const wire::ScenePiece& piece) noexcept {
+void DoctorSession::receive(const wire::ScenePiece& piece) noexcept {
   if (piece.session != connection_.session() || piece.number >= pieces_.size()) return;
   ++pieces_received_;
   piece_bytes_ += piece.content.size();
-  receipts_.note(piece.transmission);
+  receipts_.add(piece.transmission);
   if (pieces_[piece.number]) return;
   pieces_[piece.number] = true;
   --pieces_missing_;
 }
 
-void DoctorSession::take_in(const wire::Bye& bye, Nanoseconds arrival) noexcept {
+void DoctorSession::receive(const wire::Bye& bye, Nanoseconds arrival) noexcept {
   const client::Progress before = forces_.final_progress();
   if (bye.session != connection_.session() || !forces_.accept(bye)) return;
   if (!closing_) return connection_.on_bye();

@@ -103,12 +103,12 @@ class DoctorSession {
 
  private:
   [[nodiscard]] wire::MotionSample next_motion() noexcept;
-  void take_in(const wire::Message& message, Nanoseconds arrival) noexcept;
-  void take_in(const wire::Welcome& welcome, Nanoseconds arrival) noexcept;
-  void take_in(const wire::Refusal& refusal, Nanoseconds arrival) noexcept;
-  void take_in(const wire::EnvironmentForce& force, Nanoseconds arrival) noexcept;
-  void take_in(const wire::ScenePiece& piece) noexcept;
-  void take_in(const wire::Bye& bye, Nanoseconds arrival) noexcept;
+  void receive(const wire::Message& message, Nanoseconds arrival) noexcept;
+  void receive(const wire::Welcome& welcome, Nanoseconds arrival) noexcept;
+  void receive(const wire::Refusal& refusal, Nanoseconds arrival) noexcept;
+  void receive(const wire::EnvironmentForce& force, Nanoseconds arrival) noexcept;
+  void receive(const wire::ScenePiece& piece) noexcept;
+  void receive(const wire::Bye& bye, Nanoseconds arrival) noexcept;
 
   Settings settings_;
   net::DatagramLink& link_;

@@ -70,11 +70,11 @@ void tick_for(Nanoseconds duration, DoctorSession& session, MachineFindings& mac
   time::touch_stack();
   time::PeriodicTimer timer(clock, kExaminedPeriod);
   const Nanoseconds begin = timer.wait();
-  wake_ups.note(begin);
+  wake_ups.add(begin);
   for (Nanoseconds now = begin; now - begin < duration;) {
     session.tick();
     now = timer.wait();
-    wake_ups.note(now);
+    wake_ups.add(now);
   }
   machine.tick = wake_ups.figures();
   machine.missed_ticks = timer.missed();

@@ -20,7 +20,7 @@ class Lines {
     out_ << key << " = " << value << "  # " << why << '\n';
   }
   void refused(const std::string& key, const std::string& why) { out_ << "# " << key << ": no bound. " << why << '\n'; }
-  void note(const std::string& words) { out_ << "# " << words << '\n'; }
+  void add_comment(const std::string& words) { out_ << "# " << words << '\n'; }
   void raw(const std::string& line) { out_ << line << '\n'; }
   [[nodiscard]] std::string text() const { return out_.str(); }
 
@@ -130,24 +130,24 @@ void write_uncertainty(Lines& lines, const Findings& findings, const control::De
   if (findings.releases && findings.hold.refused.empty()) {
     lines.fact("hold_s", bracket(findings.hold.least_s - findings.hold.most_s, 0), "measured");
   }
-  const std::string as_told = "as the driver says; no motion tells it";
-  lines.fact("latency_offset_s", bracket(told.latency_offset_s.least, told.latency_offset_s.most), as_told);
-  lines.fact("stamp_s", bracket(told.stamp_s.least, told.stamp_s.most), as_told);
-  lines.fact("clock_share", text::to_text(told.clock_share), as_told);
-  lines.fact("encoder_steps", text::to_text(told.encoder_steps), as_told);
-  lines.fact("torque_gain_share", bracket(told.torque_gain_share.least, told.torque_gain_share.most), as_told);
-  lines.fact("torque_ripple_share", text::to_text(told.torque_ripple_share), as_told);
-  lines.fact("actuator_lag_s", text::to_text(told.actuator_lag_s), as_told);
+  const std::string as_reported = "as the driver says; no motion tells it";
+  lines.fact("latency_offset_s", bracket(told.latency_offset_s.least, told.latency_offset_s.most), as_reported);
+  lines.fact("stamp_s", bracket(told.stamp_s.least, told.stamp_s.most), as_reported);
+  lines.fact("clock_share", text::to_text(told.clock_share), as_reported);
+  lines.fact("encoder_steps", text::to_text(told.encoder_steps), as_reported);
+  lines.fact("torque_gain_share", bracket(told.torque_gain_share.least, told.torque_gain_share.most), as_reported);
+  lines.fact("torque_ripple_share", text::to_text(told.torque_ripple_share), as_reported);
+  lines.fact("actuator_lag_s", text::to_text(told.actuator_lag_s), as_reported);
 }
 
 }  // namespace
 
 std::string facts_text(const Findings& findings, const control::DeviceFacts& declared, double confidence) {
   Lines lines;
-  lines.note("Facts of '" + declared.name + "', measured by forcebound identify.");
-  lines.note("They hold for the device as it was: in that part of its workspace, as warm as it was.");
-  if (!findings.complete()) lines.note("NOT COMPLETE: no law can use this file.");
-  for (const std::string& refusal : findings.refusals(declared.cartesian)) lines.note("No bound: " + refusal);
+  lines.add_comment("Facts of '" + declared.name + "', measured by forcebound identify.");
+  lines.add_comment("They hold for the device as it was: in that part of its workspace, as warm as it was.");
+  if (!findings.complete()) lines.add_comment("NOT COMPLETE: no law can use this file.");
+  for (const std::string& refusal : findings.refusals(declared.cartesian)) lines.add_comment("No bound: " + refusal);
   lines.raw(declared.cartesian ? "kind = \"cartesian\"" : "kind = \"arm\"");
   lines.raw("degrees_of_freedom = " + std::to_string(declared.degrees_of_freedom()));
   write_joints(lines, findings, declared.cartesian, confidence);

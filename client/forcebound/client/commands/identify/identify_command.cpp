@@ -73,7 +73,7 @@ void identify_device(const IdentifyOptions& options) {
   {
     program::Progress progress;
     stops = identify::run_live(guide, *device, declared.period_s, interrupted,
-                               [&](double share, const std::string& doing) { progress.tell(share, doing); });
+                               [&](double share, const std::string& doing) { progress.report(share, doing); });
   }
   std::signal(SIGINT, before);
   if (interrupted) throw std::runtime_error("interrupted: the force is zero, and nothing was written");

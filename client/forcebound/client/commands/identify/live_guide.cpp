@@ -65,7 +65,7 @@ void tick_until_done(Guide& guide, device::HapticDevice& device, time::Nanosecon
   std::function<void()> work;
   for (std::uint64_t tick = 0; !guide.done() && !stop; ++tick) {
     const time::Nanoseconds now = timer.wait();
-    if (watchdog) watchdog->note_tick(now);
+    if (watchdog) watchdog->store_tick_time(now);
     const device::Reading read = device.read(now);
     const time::Nanoseconds commanded = clock.now();
     const device::Reading reading = device::usable_or_lost(read, device.facts(), now, commanded);

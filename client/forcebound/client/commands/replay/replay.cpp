@@ -9,8 +9,8 @@
 
 #include "forcebound/client/commands/replay/csv_reader.hpp"
 #include "forcebound/control/classic_text.hpp"
+#include "forcebound/control/force_bounder.hpp"
 #include "forcebound/control/law_registry.hpp"
-#include "forcebound/control/passivity_controller.hpp"
 #include "forcebound/text/file.hpp"
 
 namespace forcebound::client::commands {
@@ -180,7 +180,7 @@ ReplayCounts replay(const ReplayOptions& options, const ReplayInput& input, std:
   const Eigen::Index axes = axes_of(columns, reader);
   const DeviceFacts facts = facts_of(options, axes);
   const control::Damping damping = checked_damping(options, facts);
-  control::PassivityController controller(facts, checked_law(options, facts));
+  control::ForceBounder bounder(facts, checked_law(options, facts));
 
   control::Motion motion;
   motion.jacobian = Matrix::Identity(axes, axes);
@@ -197,8 +197,8 @@ ReplayCounts replay(const ReplayOptions& options, const ReplayInput& input, std:
     const double time_s = row.front();
     motion.interval_s = checked_interval_s(time_s, previous_s, reader);
     motion.position = motion.joint = Vector::Map(row.data() + 1, axes);
-    const Vector force = controller.tick(motion, Vector::Map(row.data() + 1 + axes, axes));
-    write_line(output, answer(time_s, force, controller.law()));
+    const Vector force = bounder.tick(motion, Vector::Map(row.data() + 1 + axes, axes));
+    write_line(output, answer(time_s, force, bounder.law()));
     if (motion.interval_s > 0) {
       const double speed_m_per_s = (motion.position - previous_m).norm() / motion.interval_s;
       // Not one that is not a number.
@@ -210,9 +210,9 @@ ReplayCounts replay(const ReplayOptions& options, const ReplayInput& input, std:
     ++counts.rows;
   }
   if (counts.rows > 1) counts.pace.interval_s = total_s / static_cast<double>(counts.rows - 1);
-  counts.requests_not_finite = controller.counts().requests_not_finite;
-  counts.readings_not_finite = controller.counts().readings_not_finite;
-  counts.intervals_impossible = controller.counts().intervals_impossible;
+  counts.requests_not_finite = bounder.counts().requests_not_finite;
+  counts.readings_not_finite = bounder.counts().readings_not_finite;
+  counts.intervals_impossible = bounder.counts().intervals_impossible;
   return counts;
 }
 

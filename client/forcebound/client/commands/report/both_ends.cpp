@@ -40,26 +40,26 @@ bool same(const control::Vector& a, const control::Vector& b) { return a.size() 
 
 }  // namespace
 
-void BothEnds::take_client(const record::RunTotals& totals) {
+void BothEnds::add_client(const record::RunTotals& totals) {
   server_ahead_ = totals.server_ahead;
   server_ahead_off_ = totals.server_ahead_off;
 }
 
-void BothEnds::take(const record::TickRecord& tick) {
+void BothEnds::add(const record::TickRecord& tick) {
   if (tick.motion_sequence != 0) motions_read_.emplace(tick.motion_sequence, tick.time);
 }
 
-void BothEnds::take(const record::ForceRecord& force) {
+void BothEnds::add(const record::ForceRecord& force) {
   const wire::EnvironmentForce& told = force.force;
   received_.emplace(Key{told.session, told.sequence},
                     Received{force.receive_time, force.round_trip, told.motion_sequence, told.answer.force});
 }
 
-void BothEnds::take(const record::MotionRecord& motion) {
+void BothEnds::add(const record::MotionRecord& motion) {
   motions_arrived_.emplace(Key{motion.motion.session, motion.motion.sequence}, motion.receive_time);
 }
 
-void BothEnds::take(const record::SentForceRecord& force) {
+void BothEnds::add(const record::SentForceRecord& force) {
   const wire::EnvironmentForce& told = force.force;
   sent_.emplace(Key{told.session, told.sequence}, Sent{told.server_receive_time, told.server_send_time,
                                                        told.compute_time, told.motion_sequence, told.answer.force});

@@ -19,14 +19,14 @@ class BothEnds {
  public:
   using Nanoseconds = time::Nanoseconds;
 
-  void take_client(const record::RunInfo& info) { client_epoch_ = info.epoch; }
-  void take_client(const record::RunTotals& totals);
-  void take(const record::TickRecord& tick);
-  void take(const record::ForceRecord& force);
+  void add_client(const record::RunInfo& info) { client_epoch_ = info.epoch; }
+  void add_client(const record::RunTotals& totals);
+  void add(const record::TickRecord& tick);
+  void add(const record::ForceRecord& force);
 
-  void take_server(const record::RunInfo& info) { server_epoch_ = info.epoch; }
-  void take(const record::MotionRecord& motion);
-  void take(const record::SentForceRecord& force);
+  void add_server(const record::RunInfo& info) { server_epoch_ = info.epoch; }
+  void add(const record::MotionRecord& motion);
+  void add(const record::SentForceRecord& force);
 
   /// The results, numbers in full:
   ///

@@ -45,25 +45,25 @@ class Report final : public record::RecordingSink {
   }
   void on_end(const record::RunTotals& totals) override {
     summary_->finish(totals);
-    if (both_ != nullptr && any_tick_) both_->take_client(totals);
+    if (both_ != nullptr && any_tick_) both_->add_client(totals);
   }
   void on_tick(const record::TickRecord& tick) noexcept override {
     summary_->on_tick(tick);
     figure_->on_tick(tick);
     any_tick_ = true;
-    if (both_ != nullptr) both_->take(tick);
+    if (both_ != nullptr) both_->add(tick);
   }
   void on_force(const record::ForceRecord& force) noexcept override {
     summary_->on_force(force);
     figure_->on_force(force);
-    if (both_ != nullptr) both_->take(force);
+    if (both_ != nullptr) both_->add(force);
   }
   void on_motion(const record::MotionRecord& motion) override {
     any_motion_ = true;
-    if (both_ != nullptr) both_->take(motion);
+    if (both_ != nullptr) both_->add(motion);
   }
   void on_sent(const record::SentForceRecord& force) override {
-    if (both_ != nullptr) both_->take(force);
+    if (both_ != nullptr) both_->add(force);
   }
   void on_file(const record::RecordedFile& file) override {
     files_ +=
@@ -148,8 +148,8 @@ void report_both(const ReportOptions& options) {
     throw std::runtime_error(options.recordings[0] + ", " + options.recordings[1] + ": both are of " + of +
                              ", or one is empty; one of a client and one of its server are needed");
   }
-  both.take_client(client.info());
-  both.take_server(server.info());
+  both.add_client(client.info());
+  both.add_server(server.info());
   auto json = nlohmann::ordered_json::parse(client.summary().to_json());
   json["both_ends"] = both.results();
   const std::string rest = text::wrapped("  recording     " + client.recording(), 16) + '\n' + both.to_text() +

@@ -66,7 +66,7 @@ RecordingPage::RecordingPage(Recorded recorded, const std::string& file, std::st
       now_{.figures = RunFigures(options_of(recorded_))},
       last_beat_(clock.now()) {
   mark_checkpoints();
-  note_events();
+  collect_events();
 }
 
 double RecordingPage::time_s(std::size_t tick) const noexcept {
@@ -95,13 +95,13 @@ void RecordingPage::mark_checkpoints() {
   now_ = checkpoints_.front();
 }
 
-void RecordingPage::note_events() {
-  struct Noted {
+void RecordingPage::collect_events() {
+  struct TimedEvent {
     double at_s = 0;
     std::string level;
     std::string text;
   };
-  std::vector<Noted> all;
+  std::vector<TimedEvent> all;
   const auto add = [&all](double at_s, std::string level, std::string text) {
     all.push_back({.at_s = at_s, .level = std::move(level), .text = std::move(text)});
   };
@@ -122,9 +122,9 @@ void RecordingPage::note_events() {
   if (recorded_.totals) {
     for (const std::string& note : recorded_.totals->notes) add(recorded_.duration_s(), "info", note);
   }
-  std::ranges::stable_sort(all, {}, &Noted::at_s);
+  std::ranges::stable_sort(all, {}, &TimedEvent::at_s);
   if (all.size() > kEventsMost) all.resize(kEventsMost);
-  for (const Noted& one : all) {
+  for (const TimedEvent& one : all) {
     events_.push_back(client::event_message(0, one.at_s, one.level, text::printable(one.text)));
   }
 }

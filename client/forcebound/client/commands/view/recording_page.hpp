@@ -37,7 +37,7 @@ class RecordingPage final : public page::Subject {
   };
 
   void mark_checkpoints();
-  void note_events();
+  void collect_events();
   [[nodiscard]] double time_s(std::size_t tick) const noexcept;
   [[nodiscard]] std::size_t tick_at(double time_s) const noexcept;
   void act_on(const page::Request& request, page::ViewerId viewer, page::Viewers& viewers);

@@ -11,7 +11,7 @@
 #include "forcebound/client/commands/commands.hpp"
 #include "forcebound/client/commands/view/recorded.hpp"
 #include "forcebound/client/commands/view/recording_page.hpp"
-#include "forcebound/client/commands/view/shipped_look.hpp"
+#include "forcebound/client/commands/view/shipped_appearance.hpp"
 #include "forcebound/page/listen_address.hpp"
 #include "forcebound/page/page_server.hpp"
 #include "forcebound/program/command_line.hpp"

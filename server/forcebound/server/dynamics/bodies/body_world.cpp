@@ -110,7 +110,7 @@ std::vector<scene::VisiblePart> BodyWorld::visible() const {
   return parts;
 }
 
-std::size_t BodyWorld::see(std::size_t first, std::span<float> to) const noexcept {
+std::size_t BodyWorld::sample(std::size_t first, std::span<float> to) const noexcept {
   if (first >= visible_.size()) return 0;
   const std::size_t count = std::min(visible_.size() - first, to.size() / scene::kNumbersOfSolid);
   for (std::size_t i = 0; i < count; ++i) {
@@ -282,7 +282,7 @@ void BodyWorld::hold(Seat& seat) noexcept {
     let_go(seat);
     seat.slipped = false;
   } else if (seat.held < 0) {
-    if (!seat.slipped) take_hold(seat);
+    if (!seat.slipped) grasp(seat);
   } else {
     seat.overload_s = carried_N(seat) > grasp_->force_N_max ? seat.overload_s + model_->opt.timestep : 0;
     if (seat.overload_s <= kOverload_s_most) return;
@@ -292,7 +292,7 @@ void BodyWorld::hold(Seat& seat) noexcept {
 }
 
 /// Of the body touched deepest, of those that move.
-void BodyWorld::take_hold(Seat& seat) noexcept {
+void BodyWorld::grasp(Seat& seat) noexcept {
   const mjContact* deepest = nullptr;
   for (int i = 0; i < data_->ncon; ++i) {
     const mjContact& contact = data_->contact[i];
@@ -387,7 +387,7 @@ void BodyWorld::look_ahead(int body, local_model::Mass& mass) const noexcept {
 }
 
 /// What is in the mass's way, and what answers to a push beside it: of what the probe holds, or of itself.
-void BodyWorld::tell_what_it_meets(const Seat& seat, const scene::Point& pushed_N, local_model::Mass& mass) noexcept {
+void BodyWorld::describe_obstacle(const Seat& seat, const scene::Point& pushed_N, local_model::Mass& mass) noexcept {
   const bool holds = seat.held >= 0;
   const int body = holds ? seat.held : seat.body;
   const mjContact* const contact = deepest_contact(body, holds ? seat.body : -1);
@@ -435,7 +435,7 @@ bool BodyWorld::describe(int at, local_model::LocalModel& model) noexcept {
   mass.mobility_per_kg = *per_kg;
   // It may be here alone, where steps are shorter.
   if (!local_model::is_stable(mass)) return false;
-  tell_what_it_meets(seat, pushed_N, mass);
+  describe_obstacle(seat, pushed_N, mass);
   mass.radius_m = 2 * kReachMost_m;
   model.mass = mass;
   model.has_mass = true;

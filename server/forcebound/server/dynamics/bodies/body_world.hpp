@@ -46,7 +46,7 @@ class BodyWorld final : public scene::DynamicModelState {
 
   /// The geometries of all bodies but the devices' balls; of MuJoCo's kinds not its height fields and ellipsoids.
   [[nodiscard]] std::vector<scene::VisiblePart> visible() const override;
-  [[nodiscard]] std::size_t see(std::size_t first, std::span<float> to) const noexcept override;
+  [[nodiscard]] std::size_t sample(std::size_t first, std::span<float> to) const noexcept override;
 
   /// Estimate for one `describe` where it takes the most: in the air, where it looks in all directions [ns].
   [[nodiscard]] static double predicted_describe_cost_ns(const mjModel_& model) noexcept;
@@ -92,14 +92,14 @@ class BodyWorld final : public scene::DynamicModelState {
   void step_once(double before_end_s) noexcept;
   void pull(Seat& seat, double before_end_s) noexcept;
   void hold(Seat& seat) noexcept;
-  void take_hold(Seat& seat) noexcept;
+  void grasp(Seat& seat) noexcept;
   void let_go(Seat& seat) noexcept;
   [[nodiscard]] double carried_N(const Seat& seat) const noexcept;
   [[nodiscard]] scene::Point bearing_N(const Probe& probe) const noexcept;
   [[nodiscard]] const mjContact_* deepest_contact(int body, int but = -1) const noexcept;
   [[nodiscard]] double room_m(int body, const scene::Point& direction, const scene::Point& velocity) const noexcept;
   void look_ahead(int body, local_model::Mass& mass) const noexcept;
-  void tell_what_it_meets(const Seat& seat, const scene::Point& pushed_N, local_model::Mass& mass) noexcept;
+  void describe_obstacle(const Seat& seat, const scene::Point& pushed_N, local_model::Mass& mass) noexcept;
 
   ModelPointer model_;
   DataPointer data_;

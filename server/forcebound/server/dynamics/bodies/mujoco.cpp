@@ -47,14 +47,14 @@ void leave_mujoco(const char* error) {
   std::abort();
 }
 
-void take_warning(const char* warning) {
+void store_warning(const char* warning) {
   if (way_out == WayOut::none && warning_before != nullptr) warning_before(warning);
 }
 
 void install_handlers() {
   static const bool kInstalled = [] {
     error_before = std::exchange(mju_user_error, leave_mujoco);
-    warning_before = std::exchange(mju_user_warning, take_warning);
+    warning_before = std::exchange(mju_user_warning, store_warning);
     leave_out_phantom_contacts();
     return true;
   }();

@@ -264,7 +264,7 @@ class GmshReader {
     Tag blocks, count, smallest, largest;
     Tag seen = 0, least = std::numeric_limits<Tag>::max(), most = 0;
 
-    void note(Tag tag) {
+    void add(Tag tag) {
       ++seen;
       least = std::min(least, tag);
       most = std::max(most, tag);
@@ -278,39 +278,40 @@ class GmshReader {
     return {unit, number_, numbers[0], numbers[1], numbers[2], numbers[3]};
   }
 
-  void check(const Announced& said) const {
-    if (said.seen == said.count && (said.seen == 0 || (said.least == said.smallest && said.most == said.largest))) {
+  void check(const Announced& declared) const {
+    if (declared.seen == declared.count &&
+        (declared.seen == 0 || (declared.least == declared.smallest && declared.most == declared.largest))) {
       return;
     }
     const auto text_of = [&](Tag count, Tag least, Tag most) {
-      return with_unit(count, said.unit) + " with numbers from " + std::to_string(least) + " to " +
+      return with_unit(count, declared.unit) + " with numbers from " + std::to_string(least) + " to " +
              std::to_string(most);
     };
-    refuse_at(name_, said.line,
-              text_of(said.count, said.smallest, said.largest) + ": expected what the blocks below have, " +
-                  text_of(said.seen, said.least, said.most));
+    refuse_at(name_, declared.line,
+              text_of(declared.count, declared.smallest, declared.largest) + ": expected what the blocks below have, " +
+                  text_of(declared.seen, declared.least, declared.most));
   }
 
   void node_blocks() {
     begin_nodes();
-    Announced said = announced("node");
-    for (Tag block = 1; block <= said.blocks; ++block) {
-      const std::string expected = "block " + std::to_string(block) + " of " + std::to_string(said.blocks) +
+    Announced declared = announced("node");
+    for (Tag block = 1; block <= declared.blocks; ++block) {
+      const std::string expected = "block " + std::to_string(block) + " of " + std::to_string(declared.blocks) +
                                    ": dimension, entity, 0 or 1 (parametric), number of nodes";
       const auto numbers = block_header(expected);
       if (numbers[0] > 3 || numbers[1] > 1) refuse_line(expected);
-      node_block(numbers[2], numbers[1] == 1 ? numbers[0] : 0, said);
+      node_block(numbers[2], numbers[1] == 1 ? numbers[0] : 0, declared);
     }
     end("$EndNodes");
-    check(said);
+    check(declared);
   }
 
-  void node_block(Tag count, std::size_t parameters, Announced& said) {
+  void node_block(Tag count, std::size_t parameters, Announced& declared) {
     std::vector<Tag> tags;
     for (Tag i = 1; i <= count; ++i) {
       const std::string of = std::to_string(i) + " of " + std::to_string(count);
       tags.push_back(header(1, "the number of node " + of + " of this block")[0]);
-      said.note(tags.back());
+      declared.add(tags.back());
     }
     for (std::size_t i = 0; i < tags.size(); ++i) {
       const std::string expected = "x y z of node " + std::to_string(tags[i]);
@@ -321,9 +322,9 @@ class GmshReader {
   }
 
   void element_blocks() {
-    Announced said = announced("element");
-    for (Tag block = 1; block <= said.blocks; ++block) {
-      const std::string expected = "block " + std::to_string(block) + " of " + std::to_string(said.blocks) +
+    Announced declared = announced("element");
+    for (Tag block = 1; block <= declared.blocks; ++block) {
+      const std::string expected = "block " + std::to_string(block) + " of " + std::to_string(declared.blocks) +
                                    ": dimension, entity, type, number of elements";
       const auto numbers = block_header(expected);
       for (Tag i = 1; i <= numbers[2]; ++i) {
@@ -331,12 +332,12 @@ class GmshReader {
             "element " + std::to_string(i) + " of " + std::to_string(numbers[2]) + ": number, nodes";
         const auto element = whole_numbers(row(row_expected), row_expected);
         if (element.size() < 2) refuse_line(row_expected);
-        said.note(element[0]);
+        declared.add(element[0]);
         add_element(numbers[1], {element.begin() + 1, element.end()});
       }
     }
     end("$EndElements");
-    check(said);
+    check(declared);
   }
 
   std::string name_;

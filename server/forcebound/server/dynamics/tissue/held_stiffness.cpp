@@ -52,13 +52,13 @@ StiffnessFactors::StiffnessFactors(const SparseCholesky& cholesky, const FreeCoo
   const Eigen::SparseMatrix<double> lower = cholesky.matrixL().nestedExpression();
   const Eigen::VectorXd pivots = cholesky.vectorD();
   begin_.push_back(0);
-  for (Eigen::Index column = 0; column < lower.cols(); column += 3) take_column(lower, pivots, column);
+  for (Eigen::Index column = 0; column < lower.cols(); column += 3) add_column(lower, pivots, column);
 }
 
 // L of three columns, and D, from a factorisation by single coordinates: with the ones and what is below them in
 // triangle T, L T^-1 and T D T'.
-void StiffnessFactors::take_column(const Eigen::SparseMatrix<double>& lower, const Eigen::VectorXd& pivots,
-                                   Eigen::Index column) {
+void StiffnessFactors::add_column(const Eigen::SparseMatrix<double>& lower, const Eigen::VectorXd& pivots,
+                                  Eigen::Index column) {
   Eigen::Matrix3d triangle = Eigen::Matrix3d::Identity();
   std::map<Eigen::Index, Eigen::Matrix3d> below;
   for (Eigen::Index axis = 0; axis < 3; ++axis) {

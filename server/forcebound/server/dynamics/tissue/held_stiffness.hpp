@@ -45,7 +45,7 @@ class StiffnessFactors {
   [[nodiscard]] std::size_t memory_bytes() const noexcept;
 
  private:
-  void take_column(const Eigen::SparseMatrix<double>& lower, const Eigen::VectorXd& pivots, Eigen::Index column);
+  void add_column(const Eigen::SparseMatrix<double>& lower, const Eigen::VectorXd& pivots, Eigen::Index column);
 
   std::vector<Eigen::Index> first_;      // of each node in the factors' order, among all coordinates
   std::vector<Eigen::Matrix3d> yields_;  // blocks of D^-1

@@ -39,7 +39,7 @@ PointContact::Stuck PointContact::stick(const SurfacePlace& place) const noexcep
   return here;
 }
 
-void PointContact::tell_others(const Stuck& here) const noexcept {
+void PointContact::load_others(const Stuck& here) const noexcept {
   if (others_ == nullptr) return;
   others_->respond(others_->coupled(here.place, Eigen::Matrix3d::Identity()) * here.pushed_N);
 }
@@ -107,7 +107,7 @@ void PointContact::try_triangle(const Stuck& here, const SurfacePlace& place, Mo
 
 PointContact::Move PointContact::best_move(const Stuck& here) const noexcept {
   Move best{.to = here, .length_m = 0};
-  tell_others(here);
+  load_others(here);
   const PlacesAround around = surface_.places_around(here.place);
   for (int k = 0; k < around.count; ++k) try_triangle(here, around.place[k], best);
   return best;
@@ -136,7 +136,7 @@ TissueResult PointContact::step(TissueState& last) const noexcept {
       if (move.length_m <= tolerance_m_) break;
     }
     result.converged = result.residual_m <= tolerance_m_;
-    tell_others(here);
+    load_others(here);
     if (!pulls(here)) {
       result.contacts = 1;
       result.force_N = -here.pushed_N;

@@ -43,7 +43,7 @@ class PointContact {
   };
 
   [[nodiscard]] scene::Point moved_from(const SurfacePlace& place) const noexcept;
-  void tell_others(const Stuck& here) const noexcept;
+  void load_others(const Stuck& here) const noexcept;
   [[nodiscard]] Stuck stick(const SurfacePlace& place) const noexcept;
   [[nodiscard]] Move best_move(const Stuck& here) const noexcept;
   void try_triangle(const Stuck& here, const SurfacePlace& place, Move& best) const noexcept;

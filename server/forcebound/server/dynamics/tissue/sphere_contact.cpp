@@ -48,7 +48,7 @@ SphereContact::SphereContact(const Setting& setting, const TissueState& last, co
       force_N_(ContactVector::Zero(0)) {
   find_anchors(begin.first);
   fill_pool();
-  take_from_state();
+  restore_working_set();
 }
 
 SphereContact::Pushed SphereContact::pushed_at(const SurfacePlace& place) const noexcept {
@@ -137,7 +137,7 @@ void SphereContact::keep(const Pushed& one) noexcept {
   if (shallowest->depth_m < one.depth_m) *shallowest = one;
 }
 
-void SphereContact::take_from_state() noexcept {
+void SphereContact::restore_working_set() noexcept {
   for (std::uint32_t k = 0; k < last_.contacts && working_count_ < options_.contacts_max; ++k) {
     const scene::Point weight = scene::to_point(last_.contact[k].weight);
     for (int candidate = 0; candidate < pool_count_; ++candidate) {
@@ -177,7 +177,7 @@ void SphereContact::solve() noexcept {
   }
   if (others_ != nullptr) compliance_ -= coupled_.transpose().lazyProduct(coupled_);
   force_N_ = solve_contacts(compliance_, gap_m, kSetsMax).force_N;
-  tell_others();
+  load_others();
 }
 
 void SphereContact::couple() noexcept {
@@ -189,7 +189,7 @@ void SphereContact::couple() noexcept {
   }
 }
 
-void SphereContact::tell_others() const noexcept {
+void SphereContact::load_others() const noexcept {
   if (others_ == nullptr) return;
   if (force_N_.size() == 0) {
     others_->respond_to_none();
@@ -341,7 +341,7 @@ TissueResult SphereContact::step(const Setting& setting, TissueState& state, con
       turned.put_into(state);
       return better;
     }
-    contact.tell_others();
+    contact.load_others();
   }
   state = next;
   return result;

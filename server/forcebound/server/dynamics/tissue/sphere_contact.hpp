@@ -41,7 +41,7 @@ class SphereContact {
 
   TissueResult solve_all() noexcept;
   void put_into(TissueState& state) const noexcept;
-  void tell_others() const noexcept;
+  void load_others() const noexcept;
 
   // A place that the sphere may push, and the sphere's depth there at zero force.
   struct Pushed {
@@ -68,7 +68,7 @@ class SphereContact {
   [[nodiscard]] bool owns(int triangle, const std::array<int, 3>& parts) const noexcept;
   [[nodiscard]] scene::Point mean_normal() const noexcept;
   [[nodiscard]] bool is_reached(const Pushed& one) const noexcept;
-  void take_from_state() noexcept;
+  void restore_working_set() noexcept;
   void solve() noexcept;
   void couple() noexcept;
   [[nodiscard]] double yield(const Pushed& k, const Pushed& l) const noexcept;

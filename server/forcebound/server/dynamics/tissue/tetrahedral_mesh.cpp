@@ -57,12 +57,12 @@ TetrahedralMesh::TetrahedralMesh(const TetrahedralSoup& soup, const scene::MeshP
                              text::to_text(placement.scale));
   }
   if (soup.tetrahedra.empty()) throw std::runtime_error(soup.name + ": expected at least one tetrahedron");
-  take_nodes(soup, placement);
+  add_nodes(soup, placement);
   find_surface(soup);
   count_pieces();
 }
 
-void TetrahedralMesh::take_nodes(const TetrahedralSoup& soup, const scene::MeshPlacement& placement) {
+void TetrahedralMesh::add_nodes(const TetrahedralSoup& soup, const scene::MeshPlacement& placement) {
   std::vector<int> index(soup.nodes.size(), kUnused);
   for (std::size_t t = 0; t < soup.tetrahedra.size(); ++t) {
     for (const std::size_t node : soup.tetrahedra[t].nodes) {
@@ -80,10 +80,10 @@ void TetrahedralMesh::take_nodes(const TetrahedralSoup& soup, const scene::MeshP
     nodes_m_.emplace_back((placement.turns() ? scene::Point(placement.rotation * node_m) : node_m) +
                           placement.offset_m);
   }
-  take_tetrahedra(soup, index);
+  add_tetrahedra(soup, index);
 }
 
-void TetrahedralMesh::take_tetrahedra(const TetrahedralSoup& soup, const std::vector<int>& index) {
+void TetrahedralMesh::add_tetrahedra(const TetrahedralSoup& soup, const std::vector<int>& index) {
   for (std::size_t t = 0; t < soup.tetrahedra.size(); ++t) {
     Tetrahedron tetrahedron{};
     std::array<scene::Point, 4> corners;

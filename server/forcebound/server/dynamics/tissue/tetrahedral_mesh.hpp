@@ -47,8 +47,8 @@ class TetrahedralMesh {
   [[nodiscard]] int coincident_nodes() const noexcept { return coincident_nodes_; }
 
  private:
-  void take_nodes(const TetrahedralSoup& soup, const scene::MeshPlacement& placement);
-  void take_tetrahedra(const TetrahedralSoup& soup, const std::vector<int>& index);
+  void add_nodes(const TetrahedralSoup& soup, const scene::MeshPlacement& placement);
+  void add_tetrahedra(const TetrahedralSoup& soup, const std::vector<int>& index);
   void find_surface(const TetrahedralSoup& soup);
   void count_pieces();
 

@@ -98,7 +98,7 @@ std::vector<scene::VisiblePart> LinearTissueWorld::visible() const {
   return {surface_part(model_.tissue().mesh().name(), surface.nodes_m(), surface.triangles())};
 }
 
-std::size_t LinearTissueWorld::see(std::size_t first, std::span<float> to) const noexcept {
+std::size_t LinearTissueWorld::sample(std::size_t first, std::span<float> to) const noexcept {
   const std::vector<scene::Point>& nodes_m = model_.tissue().surface().nodes_m();
   if (first >= nodes_m.size()) return 0;
   const std::size_t count = std::min(nodes_m.size() - first, to.size() / scene::kNumbersOfVertex);
@@ -214,7 +214,7 @@ std::vector<scene::VisiblePart> CorotationalTissueWorld::visible() const {
   return {surface_part(mesh.name(), nodes_m, triangles)};
 }
 
-std::size_t CorotationalTissueWorld::see(std::size_t first, std::span<float> to) const noexcept {
+std::size_t CorotationalTissueWorld::sample(std::size_t first, std::span<float> to) const noexcept {
   const TetrahedralMesh& mesh = tissue_.mesh();
   const std::vector<int>& shown = mesh.surface_nodes();
   if (first >= shown.size()) return 0;

@@ -74,7 +74,7 @@ class LinearTissueWorld final : public TissueWorld {
 
   [[nodiscard]] std::vector<scene::VisiblePart> visible() const override;
   /// Under the forces of each probe's own last motion.
-  [[nodiscard]] std::size_t see(std::size_t first, std::span<float> to) const noexcept override;
+  [[nodiscard]] std::size_t sample(std::size_t first, std::span<float> to) const noexcept override;
 
  private:
   TissueResult step(std::size_t seat, const scene::Point& probe_m) noexcept override;
@@ -94,7 +94,7 @@ class CorotationalTissueWorld final : public TissueWorld {
   CorotationalTissueWorld(const CorotationalTissue& tissue, int seats);
 
   [[nodiscard]] std::vector<scene::VisiblePart> visible() const override;
-  [[nodiscard]] std::size_t see(std::size_t first, std::span<float> to) const noexcept override;
+  [[nodiscard]] std::size_t sample(std::size_t first, std::span<float> to) const noexcept override;
 
  private:
   TissueResult step(std::size_t seat, const scene::Point& probe_m) noexcept override;

@@ -56,8 +56,8 @@ std::string refusal(const ReplayOptions& options, const std::string& rows) {
 
 class NoServerSideLaw final : public control::ServerSideLaw {
  public:
-  control::Vector place(const Heard& heard) noexcept override { return heard.position; }
-  Said answer(const control::Vector& force_N) noexcept override { return {force_N, {}}; }
+  control::Vector place(const Received& received) noexcept override { return received.position; }
+  Reply answer(const control::Vector& force_N) noexcept override { return {force_N, {}}; }
 };
 
 TEST(Replay, RefusesALawThatHasAServerSideLaw) {

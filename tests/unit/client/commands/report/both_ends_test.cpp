@@ -35,12 +35,12 @@ void play(const Trip& trip, BothEnds& both) {
   record::TickRecord tick;
   tick.time = read;
   tick.motion_sequence = trip.motion;
-  both.take(tick);
+  both.add(tick);
   if (!trip.answered) return;
   record::MotionRecord motion{.receive_time = read + kUp + kAhead, .motion = {}};
   motion.motion.session = trip.session;
   motion.motion.sequence = trip.motion;
-  both.take(motion);
+  both.add(motion);
   record::SentForceRecord sent;
   sent.force.session = trip.session;
   sent.force.sequence = trip.motion;
@@ -49,13 +49,13 @@ void play(const Trip& trip, BothEnds& both) {
   sent.force.server_send_time = motion.receive_time + kServer;
   sent.force.compute_time = 200us;
   sent.force.answer.force = control::Vector::Constant(3, trip.force_N);
-  both.take(sent);
+  both.add(sent);
   if (!trip.came_back) return;
   record::ForceRecord received{
       .receive_time = read + kUp + kServer + kDown, .round_trip = kUp + kServer + kDown, .force = {}};
   received.force = sent.force;
   received.force.answer.force.setConstant(trip.force_at_client_N);
-  both.take(received);
+  both.add(received);
 }
 
 void begin(BothEnds& both) {
@@ -64,8 +64,8 @@ void begin(BothEnds& both) {
   client.epoch = 100h;
   record::RunInfo server;
   server.epoch = 100h - kAhead;
-  both.take_client(client);
-  both.take_server(server);
+  both.add_client(client);
+  both.add_server(server);
 }
 
 TEST(BothEnds, TellApartWhatWasLostOnWhichWay) {
@@ -104,7 +104,7 @@ TEST(BothEnds, SayHowFarTheClientFoundTheWallClocksApart) {
   record::RunTotals totals;
   totals.server_ahead = kAhead + 2ms;
   totals.server_ahead_off = 500us;
-  both.take_client(totals);
+  both.add_client(totals);
   EXPECT_DOUBLE_EQ(both.results()["clocks_apart_us"], 2000);
   EXPECT_DOUBLE_EQ(both.results()["clocks_apart_off_us"], 500);
 }
@@ -124,11 +124,11 @@ TEST(BothEnds, LeaveOutTheServersOtherClients) {
   record::SentForceRecord sent;
   sent.force.session = 7;
   sent.force.sequence = 1;
-  both.take(sent);
+  both.add(sent);
   record::MotionRecord motion{};
   motion.motion.session = 7;
   motion.motion.sequence = 1;
-  both.take(motion);
+  both.add(motion);
   EXPECT_EQ(both.results()["forces"]["sent"], 1);
   EXPECT_EQ(both.results()["motions"]["answered"], 1);
 }

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "forcebound/client/commands/view/recorded.hpp"
-#include "forcebound/client/commands/view/shipped_look.hpp"
+#include "forcebound/client/commands/view/shipped_appearance.hpp"
 #include "tests/support/fake_clock.hpp"
 #include "tests/unit/record/sample_run.hpp"
 

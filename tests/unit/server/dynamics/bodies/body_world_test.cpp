@@ -300,14 +300,14 @@ TEST(BodyWorld, IsSeenWhereItsBodiesAreButNotTheBallsOfDevices) {
   EXPECT_EQ(parts[0].kind, scene::VisiblePart::Kind::box);
   EXPECT_LT((parts[0].half_m - scene::Point(0.01, 0.02, 0.03)).norm(), 1e-9);
   std::array<float, 10> seen{};
-  ASSERT_EQ(state->see(0, seen), 7U);
+  ASSERT_EQ(state->sample(0, seen), 7U);
   EXPECT_NEAR(seen[2], 0.5, 1e-6);
   EXPECT_NEAR(seen[3], 1, 1e-6);
   for (int i = 0; i < 100; ++i) state->advance(1e-3);
-  ASSERT_EQ(state->see(0, seen), 7U);
+  ASSERT_EQ(state->sample(0, seen), 7U);
   EXPECT_NEAR(seen[2], 0.5 - 0.5 * 9.80665 * 0.01, 2e-3) << "it falls";
-  EXPECT_EQ(state->see(1, seen), 0U);
-  EXPECT_EQ(state->see(0, std::span(seen).first(6)), 0U);
+  EXPECT_EQ(state->sample(1, seen), 0U);
+  EXPECT_EQ(state->sample(0, std::span(seen).first(6)), 0U);
 }
 
 }  // namespace

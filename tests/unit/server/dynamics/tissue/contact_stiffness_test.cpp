@@ -90,8 +90,8 @@ TEST_P(DescribedContact, HasTheForceAndItsSlopeAlongTheNormal) {
   const scene::Point outer_N = to(at(-kDepth_m) + out_m, 30);
   const scene::Point inner_N = to(at(-kDepth_m) - out_m, 30);
   const double slope_N_per_m = (inner_N - outer_N).dot(told.normal) / (2 * kNudge_m);
-  const double told_N_per_m = told.normal.dot(told.stiffness_N_per_m * told.normal);
-  EXPECT_NEAR(told_N_per_m / slope_N_per_m, 1, GetParam().off_most);
+  const double reported_N_per_m = told.normal.dot(told.stiffness_N_per_m * told.normal);
+  EXPECT_NEAR(reported_N_per_m / slope_N_per_m, 1, GetParam().off_most);
 }
 
 TEST_P(DescribedContact, IsThereBeforeItIsTouchedWhereItWillBe) {

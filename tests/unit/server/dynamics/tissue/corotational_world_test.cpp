@@ -149,7 +149,7 @@ TEST(CorotationalTissueWorld, IsSeenAsItIsDeformed) {
   EXPECT_EQ(parts[0].triangles.size(), tissue.mesh().triangles().size());
   std::vector<float> seen(3 * parts[0].vertices_m.size());
   const auto most_moved_m = [&] {
-    EXPECT_EQ(world.see(0, seen), seen.size());
+    EXPECT_EQ(world.sample(0, seen), seen.size());
     double most_m = 0;
     for (std::size_t i = 0; i < parts[0].vertices_m.size(); ++i) {
       const scene::Point now_m(seen[3 * i], seen[3 * i + 1], seen[3 * i + 2]);
@@ -161,7 +161,7 @@ TEST(CorotationalTissueWorld, IsSeenAsItIsDeformed) {
   press(world, 1e-3);
   EXPECT_GT(most_moved_m(), 1e-4);
   EXPECT_LT(most_moved_m(), 2e-3);
-  EXPECT_EQ(world.see(parts[0].vertices_m.size(), seen), 0U);
+  EXPECT_EQ(world.sample(parts[0].vertices_m.size(), seen), 0U);
 }
 
 }  // namespace

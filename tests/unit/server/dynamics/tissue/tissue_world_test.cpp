@@ -375,8 +375,8 @@ scene::Point seen_at(const scene::DynamicModelState& world, const TissueSurface&
   std::vector<float> seen(3 * surface.nodes_m().size());
   // In two pieces, as they are sent.
   const std::size_t half = 3 * (surface.nodes_m().size() / 2);
-  EXPECT_EQ(world.see(0, std::span(seen).first(half)), half);
-  EXPECT_EQ(world.see(half / 3, std::span(seen).subspan(half)), seen.size() - half);
+  EXPECT_EQ(world.sample(0, std::span(seen).first(half)), half);
+  EXPECT_EQ(world.sample(half / 3, std::span(seen).subspan(half)), seen.size() - half);
   scene::Point at_m = scene::Point::Zero();
   for (int corner = 0; corner < 3; ++corner) {
     const auto node = static_cast<std::size_t>(
@@ -439,7 +439,7 @@ TEST(LinearTissueWorld, IsSeenWithoutAllocation) {
   two.press(kBeside_m);
   std::vector<float> seen(270);
   const test::AllocationGuard guard;
-  EXPECT_EQ(two.world().see(3, seen), 270U);
+  EXPECT_EQ(two.world().sample(3, seen), 270U);
   EXPECT_EQ(guard.heap_operations(), 0U);
 }
 

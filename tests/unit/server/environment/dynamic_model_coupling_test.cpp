@@ -1,4 +1,4 @@
-#include "forcebound/scene/dynamic_model_seat.hpp"
+#include "forcebound/scene/dynamic_model_coupling.hpp"
 
 #include <gtest/gtest.h>
 
@@ -90,12 +90,12 @@ TEST(SharedScene, OneClientFeelsWhatTheOtherPushes) {
 }
 
 /// A ball without weight, pressed from the left at some time and pulled back: where it is dragged to, in the end.
-double pulled_N(SceneState& state, bool pressed, bool told_models) {
+double pulled_N(SceneState& state, bool pressed, bool asks_for_models) {
   Answer answer;
   for (int i = 0; i < 3000; ++i) {
     const double x_m = -0.04 + 1e-4 * std::min(i, 185) - 5e-5 * std::clamp(i - 1000, 0, 600);
     const Handle handle{.buttons = pressed && i > 800 ? 1U : 0U};
-    answer = state.answer(at(x_m), milliseconds(i), milliseconds(i), told_models, handle);
+    answer = state.answer(at(x_m), milliseconds(i), milliseconds(i), asks_for_models, handle);
     if (i == 1500) return answer.force[0];
   }
   return answer.force[0];

@@ -6,18 +6,18 @@ namespace forcebound::sim {
 
 /// A simulated device of which a law is told other facts than the true ones: it moves as it truly does, and all that
 /// says something of it, the damping of each reading included, is as told.
-class ToldDevice final : public device::HapticDevice {
+class MisdescribedDevice final : public device::HapticDevice {
  public:
   /// @param device must outlive it
-  ToldDevice(device::HapticDevice& device, control::DeviceFacts told)
-      : device_(device), told_(std::move(told)), damping_(control::Damping::from_matrix(told_.damping)) {}
+  MisdescribedDevice(device::HapticDevice& device, control::DeviceFacts told)
+      : device_(device), described_(std::move(told)), damping_(control::Damping::from_matrix(described_.damping)) {}
 
-  [[nodiscard]] const control::DeviceFacts& facts() const noexcept override { return told_; }
+  [[nodiscard]] const control::DeviceFacts& facts() const noexcept override { return described_; }
   [[nodiscard]] bool is_simulated() const noexcept override { return true; }
   [[nodiscard]] device::Safety safety() const noexcept override { return device_.safety(); }
   device::Reading read(device::Nanoseconds now) noexcept override {
     device::Reading reading = device_.read(now);
-    if (!told_.cartesian) damping_ = control::Damping::from_joints(reading.jacobian, told_.damping);
+    if (!described_.cartesian) damping_ = control::Damping::from_joints(reading.jacobian, described_.damping);
     reading.damping = &damping_;
     return reading;
   }
@@ -34,7 +34,7 @@ class ToldDevice final : public device::HapticDevice {
 
  private:
   device::HapticDevice& device_;
-  control::DeviceFacts told_;
+  control::DeviceFacts described_;
   control::Damping damping_;
 };
 

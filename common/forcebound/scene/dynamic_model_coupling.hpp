@@ -49,7 +49,7 @@ class DynamicModelNow {
 
   /// The probe's device was there: at once, in a shared model as far as its speed allows, or when its path is played as
   /// far. Real time.
-  void take(int seat, const Probe& probe, const FeltAt& at) noexcept;
+  void move_probe(int seat, const Probe& probe, const FeltAt& at) noexcept;
 
   /// Real time. The first call sets the start; a time that is not later than the last one changes nothing.
   void advance_to(Nanoseconds moment) noexcept;
@@ -64,9 +64,9 @@ class DynamicModelNow {
   /// A device in a shared model.
   struct Device {
     bool placed = false;
-    Point told_m = Point::Zero();
-    Point told_m_per_s = Point::Zero();
-    std::uint32_t told_buttons = 0;
+    Point reported_m = Point::Zero();
+    Point reported_m_per_s = Point::Zero();
+    std::uint32_t reported_buttons = 0;
     Point at_m = Point::Zero();  ///< in the model
     double may_move_m = 0;
   };
@@ -92,16 +92,16 @@ using DynamicModelsNow = std::vector<std::shared_ptr<DynamicModelNow>>;
 /// For that number of clients. @param scene must outlive them
 DynamicModelsNow begin_dynamic_models(const Scene& scene, int clients);
 
-/// One client's probe in a dynamic model, for the lifetime of this object.
-class DynamicModelSeat {
+/// Couples one client's probe to a dynamic model, for the lifetime of this object.
+class DynamicModelCoupling {
  public:
   /// @throws std::logic_error if all seats are taken
-  explicit DynamicModelSeat(std::shared_ptr<DynamicModelNow> now);
-  ~DynamicModelSeat();
-  DynamicModelSeat(DynamicModelSeat&& other) noexcept = default;
-  DynamicModelSeat& operator=(DynamicModelSeat&&) = delete;
-  DynamicModelSeat(const DynamicModelSeat&) = delete;
-  DynamicModelSeat& operator=(const DynamicModelSeat&) = delete;
+  explicit DynamicModelCoupling(std::shared_ptr<DynamicModelNow> now);
+  ~DynamicModelCoupling();
+  DynamicModelCoupling(DynamicModelCoupling&& other) noexcept = default;
+  DynamicModelCoupling& operator=(DynamicModelCoupling&&) = delete;
+  DynamicModelCoupling(const DynamicModelCoupling&) = delete;
+  DynamicModelCoupling& operator=(const DynamicModelCoupling&) = delete;
 
   /// Moves the probe, advances time, and returns the force then. Real time: no allocation.
   /// @param faults faults since the last call are added

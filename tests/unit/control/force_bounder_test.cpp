@@ -1,4 +1,4 @@
-#include "forcebound/control/passivity_controller.hpp"
+#include "forcebound/control/force_bounder.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -39,33 +39,33 @@ DeviceFacts three_axes() {
 
 std::string refusal_of_device(const DeviceFacts& facts) {
   try {
-    const PassivityController controller(facts, published_laws().make("none", facts));
+    const ForceBounder bounder(facts, published_laws().make("none", facts));
   } catch (const std::invalid_argument& error) {
     return error.what();
   }
   return "accepted";
 }
 
-TEST(PassivityController, TakesForcesOfTheTipFromAnArmWithMoreJoints) {
+TEST(ForceBounder, TakesForcesOfTheTipFromAnArmWithMoreJoints) {
   DeviceFacts facts = three_axes();
   facts.cartesian = false;
   facts.tip_axes = 2;
   EXPECT_EQ(refusal_of_device(facts), "accepted");
-  PassivityController controller(facts, std::make_unique<ExactLaw>(facts, EnergyMemory::full));
+  ForceBounder bounder(facts, std::make_unique<ExactLaw>(facts, EnergyMemory::full));
   const Damping damping = Damping::from_joints(to_matrix({{1, 0, 0.5}, {0, 1, 0.2}}), facts.damping);
   Motion motion{.position = to_vector({0, 0}),
                 .joint = to_vector({0, 0, 0}),
                 .jacobian = to_matrix({{1, 0, 0.5}, {0, 1, 0.2}}),
                 .damping = &damping};
-  EXPECT_EQ(controller.tick(motion, to_vector({1, 1})), to_vector({0, 0})) << "nothing to spend yet";
+  EXPECT_EQ(bounder.tick(motion, to_vector({1, 1})), to_vector({0, 0})) << "nothing to spend yet";
   motion.interval_s = 1e-3;
   motion.joint = to_vector({0.01, 0, 0.02});
-  EXPECT_EQ(controller.tick(motion, to_vector({1e-3, 1e-3})), to_vector({1e-3, 1e-3}));
-  EXPECT_EQ(controller.tick(motion, to_vector({1, 1, 1})), to_vector({0, 0}));
-  EXPECT_EQ(controller.counts().requests_not_finite, 1U);
+  EXPECT_EQ(bounder.tick(motion, to_vector({1e-3, 1e-3})), to_vector({1e-3, 1e-3}));
+  EXPECT_EQ(bounder.tick(motion, to_vector({1, 1, 1})), to_vector({0, 0}));
+  EXPECT_EQ(bounder.counts().requests_not_finite, 1U);
 }
 
-TEST(PassivityController, RefusesActuatorStepsWhereJointsOutnumberAxes) {
+TEST(ForceBounder, RefusesActuatorStepsWhereJointsOutnumberAxes) {
   DeviceFacts facts = three_axes();
   facts.cartesian = false;
   facts.tip_axes = 2;
@@ -73,7 +73,7 @@ TEST(PassivityController, RefusesActuatorStepsWhereJointsOutnumberAxes) {
   EXPECT_THAT(refusal_of_device(facts), testing::HasSubstr("actuator step must be 0 for 3 joints and a tip of 2"));
 }
 
-TEST(PassivityController, SaturatesAlongTheRequest) {
+TEST(ForceBounder, SaturatesAlongTheRequest) {
   LawLoop loop("none", Matrix::Identity(3, 3), {.force_N_max = 10});
   EXPECT_TRUE(loop.tick(to_vector({0, 0, 0}), to_vector({30, 0, -40})).isApprox(to_vector({6, 0, -8}), 1e-15));
   EXPECT_EQ(loop.counts().saturated, 1U);
@@ -81,16 +81,16 @@ TEST(PassivityController, SaturatesAlongTheRequest) {
   EXPECT_EQ(loop.counts().saturated, 1U);
 }
 
-TEST(PassivityController, WithdrawsAForceCommandedBeforeItsReading) {
+TEST(ForceBounder, WithdrawsAForceCommandedBeforeItsReading) {
   DeviceFacts facts = three_axes();
   facts.latency_s = 1e-3;
-  PassivityController controller(facts, published_laws().make("none", facts));
+  ForceBounder bounder(facts, published_laws().make("none", facts));
   const Vector force_N = to_vector({1, 2, 3});
-  EXPECT_EQ(controller.confirmed(force_N, 1e-3), force_N);
+  EXPECT_EQ(bounder.confirmed(force_N, 1e-3), force_N);
   for (const double latency_s : {0.5e-3, -1e-3, kNaN}) {
-    EXPECT_EQ(controller.confirmed(force_N, latency_s), Vector::Zero(3)) << latency_s;
+    EXPECT_EQ(bounder.confirmed(force_N, latency_s), Vector::Zero(3)) << latency_s;
   }
-  EXPECT_EQ(controller.counts().withdrawn, 3U);
+  EXPECT_EQ(bounder.counts().withdrawn, 3U);
 }
 
 /// Gives whatever it was made with.
@@ -111,32 +111,32 @@ class FaultyLaw final : public PassivityLaw {
 Vector force_of_faulty_law(const Vector& force_N, bool released = false) {
   const DeviceFacts facts = three_axes();
   const Damping damping = Damping::from_matrix(facts.damping);
-  PassivityController controller(facts, std::make_unique<FaultyLaw>(force_N));
+  ForceBounder bounder(facts, std::make_unique<FaultyLaw>(force_N));
   Motion motion;
   motion.position = motion.joint = Vector::Zero(3);
   motion.jacobian = Matrix::Identity(3, 3);
   motion.damping = &damping;
-  return released ? controller.release(motion) : controller.tick(motion, Vector::Zero(3));
+  return released ? bounder.release(motion) : bounder.tick(motion, Vector::Zero(3));
 }
 
-TEST(PassivityController, GivesNoForceThatIsNotFiniteOrBeyondTheDeviceWhateverTheLawSays) {
+TEST(ForceBounder, GivesNoForceThatIsNotFiniteOrBeyondTheDeviceWhateverTheLawSays) {
   EXPECT_EQ(force_of_faulty_law(to_vector({kNaN, 0, 0})), to_vector({0, 0, 0}));
   EXPECT_EQ(force_of_faulty_law(to_vector({1, 2})), to_vector({0, 0, 0}));
   EXPECT_TRUE(force_of_faulty_law(to_vector({0, 3e6, 4e6})).isApprox(to_vector({0, 6, 8}), 1e-15));
 }
 
-TEST(PassivityController, ReleasesTheDeviceWhateverTheLawWouldGoOnWith) {
+TEST(ForceBounder, ReleasesTheDeviceWhateverTheLawWouldGoOnWith) {
   EXPECT_EQ(force_of_faulty_law(to_vector({1, 2, 3}), true), to_vector({0, 0, 0}));
 }
 
-TEST(PassivityController, SaturatesTheLargestNumbersThereAre) {
+TEST(ForceBounder, SaturatesTheLargestNumbersThereAre) {
   const double most = std::numeric_limits<double>::max();
   LawLoop loop("none", Matrix::Identity(3, 3), {.force_N_max = 3});
   EXPECT_TRUE(loop.tick(to_vector({0, 0, 0}), to_vector({most, -most, most}))
                   .isApprox(std::sqrt(3.0) * to_vector({1, -1, 1}), 1e-15));
 }
 
-TEST(PassivityController, TakesARequestThatIsNotFiniteForNoForce) {
+TEST(ForceBounder, TakesARequestThatIsNotFiniteForNoForce) {
   LawLoop loop("none", Matrix::Identity(3, 3));
   for (const double bad : {kNaN, std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()}) {
     EXPECT_EQ(loop.tick(to_vector({0, 0, 0}), to_vector({1, bad, 1})), to_vector({0, 0, 0}));
@@ -146,7 +146,7 @@ TEST(PassivityController, TakesARequestThatIsNotFiniteForNoForce) {
   EXPECT_EQ(loop.tick(to_vector({0, 0, 0}), to_vector({1, 2, 3})), to_vector({1, 2, 3}));
 }
 
-TEST(PassivityController, ChargesALostReadingItsWorstCaseAndRecovers) {
+TEST(ForceBounder, ChargesALostReadingItsWorstCaseAndRecovers) {
   LawLoop loop("fba-less", Matrix::Constant(1, 1, kDamping_N_s_per_m));
   loop.tick(0.0, 0.0);
   ASSERT_EQ(loop.tick(1e-3, 20.0), 20.0);
@@ -162,7 +162,7 @@ TEST(PassivityController, ChargesALostReadingItsWorstCaseAndRecovers) {
   EXPECT_NEAR(loop.energy_J(), left_J, 1e-15);
 }
 
-TEST(PassivityController, ForgetsUnderTheMoreConservativeLawAtALostReadingAndRecovers) {
+TEST(ForceBounder, ForgetsUnderTheMoreConservativeLawAtALostReadingAndRecovers) {
   LawLoop loop("fba-more", Matrix::Constant(1, 1, kDamping_N_s_per_m));
   loop.tick(0.0, 0.0);
   ASSERT_EQ(loop.tick(1e-3, 20.0), 20.0);
@@ -172,7 +172,7 @@ TEST(PassivityController, ForgetsUnderTheMoreConservativeLawAtALostReadingAndRec
   EXPECT_EQ(loop.tick(5.001, 20.0), 20.0) << "did not recover";
 }
 
-TEST(PassivityController, StaysPassiveThroughLostReadings) {
+TEST(ForceBounder, StaysPassiveThroughLostReadings) {
   for (const char* law : {"fba-less", "fba-more"}) {
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
       LawLoop loop(law, test::full_damping(3, seed));
@@ -191,7 +191,7 @@ TEST(PassivityController, StaysPassiveThroughLostReadings) {
   }
 }
 
-TEST(PassivityController, LeavesAWholeNumberOfActuatorStepsAsItIs) {
+TEST(ForceBounder, LeavesAWholeNumberOfActuatorStepsAsItIs) {
   LawLoop loop("none", Matrix::Identity(1, 1), {.actuator_step_N = 0.1});
   for (int count = -2000; count <= 2000; ++count) {
     const double command_N = count * 0.1;
@@ -199,13 +199,13 @@ TEST(PassivityController, LeavesAWholeNumberOfActuatorStepsAsItIs) {
   }
 }
 
-TEST(PassivityController, RoundsTowardNoForce) {
+TEST(ForceBounder, RoundsTowardNoForce) {
   LawLoop loop("none", Matrix::Identity(2, 2), {.actuator_step_N = 0.25});
   EXPECT_EQ(loop.tick(to_vector({0, 0}), to_vector({0.99, -0.99})), to_vector({0.75, -0.75}));
   EXPECT_EQ(loop.tick(to_vector({0, 0}), to_vector({0.24, 1.0})), to_vector({0, 1}));
 }
 
-TEST(PassivityController, StaysPassiveAnd12BitsSeenByTheLedger) {
+TEST(ForceBounder, StaysPassiveAnd12BitsSeenByTheLedger) {
   // A ledger that saw the unrounded force would drift away from the balance of what was applied.
   const test::LawLoopSetting setting{.force_N_max = 20, .actuator_step_N = 40.0 / 4096};
   for (const int degrees_of_freedom : {1, 3, 6}) {
@@ -231,7 +231,7 @@ TEST(PassivityController, StaysPassiveAnd12BitsSeenByTheLedger) {
   test::expect_passive_against_any_adversary("fba-more", setting);
 }
 
-TEST(PassivityController, ChargesTheRoundedForce) {
+TEST(ForceBounder, ChargesTheRoundedForce) {
   LawLoop loop("fba-less", Matrix::Constant(1, 1, kDamping_N_s_per_m), {.actuator_step_N = 0.25});
   loop.tick(0.0, 0.0);
   ASSERT_EQ(loop.tick(1e-3, 0.99), 0.75);
@@ -239,7 +239,7 @@ TEST(PassivityController, ChargesTheRoundedForce) {
   EXPECT_NEAR(loop.energy_J(), 2 * kB_N_per_m * 1e-6 - 0.75e-3, 1e-15);
 }
 
-TEST(PassivityController, GivesNoForceWhereRoundingNeedsMoreEnergyThanThereIs) {
+TEST(ForceBounder, GivesNoForceWhereRoundingNeedsMoreEnergyThanThereIs) {
   // Damping that couples the axes: (1.02, 0.99) N needs 0.25 mJ, its rounding (1, 0) N a hundred times as much.
   const Matrix damping = to_matrix({{1, 0.999}, {0.999, 1}});
   const Vector motion = to_vector({0.6e-3, 0.6e-3});
@@ -252,7 +252,7 @@ TEST(PassivityController, GivesNoForceWhereRoundingNeedsMoreEnergyThanThereIs) {
   EXPECT_NEAR(coarse.energy_J(), exact.energy_J(), 1e-18);
 }
 
-TEST(PassivityController, TakesLessThanTheSquareOfAnyNumberForNothing) {
+TEST(ForceBounder, TakesLessThanTheSquareOfAnyNumberForNothing) {
   for (const char* law : {"none", "fba-less", "fba-more", "fba-exact"}) {
     test::LawLoop loop(law, 30 * Matrix::Identity(1, 1));
     (void)loop.tick(0.0, 0.0);
@@ -266,7 +266,7 @@ class ArmTest : public testing::TestWithParam<const char*> {
  protected:
   static constexpr double kStep_Nm = 2e-3;
 
-  ArmTest() : controller_(make_controller()) {}
+  ArmTest() : bounder_(make_bounder()) {}
 
   static DeviceFacts facts() {
     DeviceFacts facts = three_axes();
@@ -276,7 +276,7 @@ class ArmTest : public testing::TestWithParam<const char*> {
     return facts;
   }
 
-  static PassivityController make_controller() { return {facts(), published_laws().make(GetParam(), facts())}; }
+  static ForceBounder make_bounder() { return {facts(), published_laws().make(GetParam(), facts())}; }
 
   Vector tick(const Vector& position, const Vector& request, const Matrix& jacobian) {
     damping_ = Damping::from_joints(jacobian, facts().damping);
@@ -285,7 +285,7 @@ class ArmTest : public testing::TestWithParam<const char*> {
     motion.position = motion.joint = position;
     motion.jacobian = jacobian;
     motion.damping = &damping_;
-    return controller_.tick(motion, request);
+    return bounder_.tick(motion, request);
   }
 
   static Matrix jacobian_at(int tick) {
@@ -294,7 +294,7 @@ class ArmTest : public testing::TestWithParam<const char*> {
   }
 
   Damping damping_ = Damping::from_matrix(Matrix::Identity(3, 3));
-  PassivityController controller_;
+  ForceBounder bounder_;
 };
 
 TEST_P(ArmTest, RoundsInTheJointsTowardNoTorque) {
@@ -335,7 +335,7 @@ TEST_P(ArmTest, GivesAFiniteForceInAndNearSingularConfigurations) {
     const Matrix jacobian = to_matrix({{0.1, 0.1, 0}, {0.1, 0.1 + distance, 0}, {0, 0, 0.1}});
     const Vector force = tick(Vector::Constant(3, i * 1e-3), to_vector({1, 1, -1}), jacobian);
     ASSERT_TRUE(force.allFinite()) << "distance " << distance;
-    ASSERT_TRUE(std::isfinite(controller_.law().energy_J()));
+    ASSERT_TRUE(std::isfinite(bounder_.law().energy_J()));
   }
 }
 
@@ -343,7 +343,7 @@ TEST_P(ArmTest, TakesAJacobianThatIsNotFiniteForALostReading) {
   Matrix jacobian = jacobian_at(0);
   jacobian(1, 2) = kNaN;
   EXPECT_EQ(tick(Vector::Zero(3), to_vector({1, 1, 1}), jacobian), to_vector({0, 0, 0}));
-  EXPECT_EQ(controller_.counts().readings_not_finite, 1U);
+  EXPECT_EQ(bounder_.counts().readings_not_finite, 1U);
 }
 
 TEST_P(ArmTest, TakesAJointThatIsNotFiniteForALostReading) {
@@ -353,8 +353,8 @@ TEST_P(ArmTest, TakesAJointThatIsNotFiniteForALostReading) {
   motion.joint = to_vector({0, kNaN, 0});
   motion.jacobian = jacobian_at(0);
   motion.damping = &damping_;
-  EXPECT_EQ(controller_.tick(motion, to_vector({1, 1, 1})), to_vector({0, 0, 0}));
-  EXPECT_EQ(controller_.counts().readings_not_finite, 1U);
+  EXPECT_EQ(bounder_.tick(motion, to_vector({1, 1, 1})), to_vector({0, 0, 0}));
+  EXPECT_EQ(bounder_.counts().readings_not_finite, 1U);
 }
 
 INSTANTIATE_TEST_SUITE_P(Laws, ArmTest, testing::Values("none", "fba-less", "fba-more"), [](const auto& law) {
@@ -362,17 +362,17 @@ INSTANTIATE_TEST_SUITE_P(Laws, ArmTest, testing::Values("none", "fba-less", "fba
   return name == "none" ? "None" : name == "fba-less" ? "LessConservative" : "MoreConservative";
 });
 
-TEST(PassivityController, TakesAReadingFurtherThanTheDeviceCanBeForALostOne) {
+TEST(ForceBounder, TakesAReadingFurtherThanTheDeviceCanBeForALostOne) {
   DeviceFacts facts = three_axes();
   facts.speed_max = Vector::Constant(3, 1);
-  PassivityController controller(facts, published_laws().make("none", facts));
+  ForceBounder bounder(facts, published_laws().make("none", facts));
   const Damping damping = Damping::from_matrix(facts.damping);
   Motion motion;
   motion.jacobian = Matrix::Identity(3, 3);
   motion.damping = &damping;
   const auto tick = [&](double at_m) {
     motion.position = motion.joint = Vector::Constant(3, at_m);
-    const Vector force = controller.tick(motion, to_vector({1, 1, 1}));
+    const Vector force = bounder.tick(motion, to_vector({1, 1, 1}));
     motion.interval_s = 1e-3;
     return force[0];
   };
@@ -380,7 +380,7 @@ TEST(PassivityController, TakesAReadingFurtherThanTheDeviceCanBeForALostOne) {
   EXPECT_EQ(tick(0.9e-3), 1);
   EXPECT_EQ(tick(0.5), 0) << "a glitch";
   EXPECT_EQ(tick(2.5e-3), 1) << "two ticks away from the last good one";
-  EXPECT_EQ(controller.counts().readings_too_far, 1U);
+  EXPECT_EQ(bounder.counts().readings_too_far, 1U);
 }
 
 /// Of fba-exact on a device of at most 1 m/s.
@@ -392,8 +392,8 @@ class FirstReading : public testing::Test {
     motion_.position = motion_.joint = Vector::Constant(3, at_m);
     motion_.interval_s = begun_ ? interval_s : 0;
     begun_ = true;
-    (void)controller_.tick(motion_, to_vector({1, 1, 1}));
-    most_J_ = std::max(most_J_, controller_.law().energy_J());
+    (void)bounder_.tick(motion_, to_vector({1, 1, 1}));
+    most_J_ = std::max(most_J_, bounder_.law().energy_J());
   }
 
   static DeviceFacts slow_device() {
@@ -405,7 +405,7 @@ class FirstReading : public testing::Test {
 
   DeviceFacts facts_ = slow_device();
   Damping damping_ = Damping::from_matrix(facts_.damping);
-  PassivityController controller_{facts_, std::make_unique<ExactLaw>(facts_, EnergyMemory::full)};
+  ForceBounder bounder_{facts_, std::make_unique<ExactLaw>(facts_, EnergyMemory::full)};
   Motion motion_;
   bool begun_ = false;
   double most_J_ = 0;
@@ -415,7 +415,7 @@ TEST_F(FirstReading, CreditsNoMotionFromWhereTheDeviceNeverWas) {
   tick(0.5);
   for (int i = 0; i < 600; ++i) tick(0);
   EXPECT_EQ(most_J_, 0);
-  EXPECT_EQ(controller_.counts().readings_too_far, 1U);
+  EXPECT_EQ(bounder_.counts().readings_too_far, 1U);
 }
 
 TEST_F(FirstReading, CreditsNoMotionFromWhereTheDeviceNeverWasAfterAnImpossibleInterval) {
@@ -425,24 +425,24 @@ TEST_F(FirstReading, CreditsNoMotionFromWhereTheDeviceNeverWasAfterAnImpossibleI
   tick(0.5);
   for (int i = 0; i < 600; ++i) tick(0);
   EXPECT_EQ(most_J_, 0);
-  EXPECT_EQ(controller_.counts().readings_too_far, 1U);
+  EXPECT_EQ(bounder_.counts().readings_too_far, 1U);
 }
 
 TEST_F(FirstReading, IsUsedAgainSoonAfterAWrongOneWhoseClockFailed) {
   tick(0);
   tick(0.5, 0);
   for (int i = 0; i < 20; ++i) tick(0);
-  EXPECT_LE(controller_.counts().readings_too_far, 2U);
+  EXPECT_LE(bounder_.counts().readings_too_far, 2U);
   tick(0.5e-3);
-  EXPECT_GT(controller_.law().energy_J(), 0);
+  EXPECT_GT(bounder_.law().energy_J(), 0);
 }
 
-TEST(PassivityController, CountsTimesOfADeviceThatItsFactsDoNotAllow) {
+TEST(ForceBounder, CountsTimesOfADeviceThatItsFactsDoNotAllow) {
   DeviceFacts facts = three_axes();
   facts.latency_s = 1e-3;
   facts.uncertainty.latency_s = {-0.2e-3, 0.5e-3};
   facts.uncertainty.hold_s = {-0.1e-3, 0.1e-3};
-  PassivityController controller(facts, published_laws().make("none", facts));
+  ForceBounder bounder(facts, published_laws().make("none", facts));
   const Damping damping = Damping::from_matrix(facts.damping);
   Motion motion;
   motion.position = motion.joint = Vector::Zero(3);
@@ -454,9 +454,9 @@ TEST(PassivityController, CountsTimesOfADeviceThatItsFactsDoNotAllow) {
   for (const auto& [effect_s, outside] :
        {std::pair{kNaN, false}, {0.2e-3, true}, {1.0e-3, true}, {1.1e-3, false}, {1.8e-3, false}, {1.9e-3, true}}) {
     motion.effect_s = effect_s;
-    (void)controller.tick(motion, to_vector({1, 1, 1}));
+    (void)bounder.tick(motion, to_vector({1, 1, 1}));
     counted += outside;
-    EXPECT_EQ(controller.counts().effects_outside_facts, counted) << effect_s;
+    EXPECT_EQ(bounder.counts().effects_outside_facts, counted) << effect_s;
   }
   motion.effect_s = kNaN;
   counted = 0;
@@ -465,17 +465,17 @@ TEST(PassivityController, CountsTimesOfADeviceThatItsFactsDoNotAllow) {
                                         {facts.hold_s_max + 0.5e-3, false},
                                         {facts.hold_s_max + 0.7e-3, true}}) {
     motion.held_s = held_s;
-    (void)controller.tick(motion, to_vector({1, 1, 1}));
+    (void)bounder.tick(motion, to_vector({1, 1, 1}));
     counted += outside;
-    EXPECT_EQ(controller.counts().releases_outside_facts, counted) << held_s;
+    EXPECT_EQ(bounder.counts().releases_outside_facts, counted) << held_s;
   }
 }
 
-TEST(PassivityController, RefusesToWorkWithoutALaw) {
-  EXPECT_THROW(PassivityController(three_axes(), nullptr), std::invalid_argument);
+TEST(ForceBounder, RefusesToWorkWithoutALaw) {
+  EXPECT_THROW(ForceBounder(three_axes(), nullptr), std::invalid_argument);
 }
 
-TEST(PassivityController, RefusesFactsThatMakeNoSense) {
+TEST(ForceBounder, RefusesFactsThatMakeNoSense) {
   DeviceFacts facts = three_axes();
   facts.actuator_step = Vector::Zero(2);
   EXPECT_EQ(refusal_of_device(facts), "device 'three axes': actuator step must have 3 rows, got 2");

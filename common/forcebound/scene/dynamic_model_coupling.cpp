@@ -1,4 +1,4 @@
-#include "forcebound/scene/dynamic_model_seat.hpp"
+#include "forcebound/scene/dynamic_model_coupling.hpp"
 
 #include <algorithm>
 #include <stdexcept>
@@ -31,7 +31,7 @@ void DynamicModelNow::leave(int seat) {
   state_->leave(seat);
 }
 
-void DynamicModelNow::take(int seat, const Probe& probe, const FeltAt& at) noexcept {
+void DynamicModelNow::move_probe(int seat, const Probe& probe, const FeltAt& at) noexcept {
   const std::uint32_t buttons = probe.handle.buttons.value_or(0);
   if (devices_.empty()) {
     state_->press(seat, buttons);
@@ -40,10 +40,10 @@ void DynamicModelNow::take(int seat, const Probe& probe, const FeltAt& at) noexc
   }
   const auto i = static_cast<std::size_t>(seat);
   Device& device = devices_[i];
-  device.told_m = probe.position_m.cwiseMax(-DevicePath::kFar_m).cwiseMin(DevicePath::kFar_m);
-  device.told_m_per_s = probe.velocity_m_per_s;
-  device.told_buttons = buttons;
-  if (!device.placed) place(i, {device.told_m, device.told_m_per_s, buttons});
+  device.reported_m = probe.position_m.cwiseMax(-DevicePath::kFar_m).cwiseMin(DevicePath::kFar_m);
+  device.reported_m_per_s = probe.velocity_m_per_s;
+  device.reported_buttons = buttons;
+  if (!device.placed) place(i, {device.reported_m, device.reported_m_per_s, buttons});
   const bool goes_by_path = !paths_.empty() && at.reading;
   if (!goes_by_path) {
     if (!paths_.empty()) paths_[i].forget();
@@ -52,7 +52,7 @@ void DynamicModelNow::take(int seat, const Probe& probe, const FeltAt& at) noexc
   }
   DevicePath& path = paths_[i];
   if (!path.begun()) path.place_at(device.at_m);
-  path.note({.position_m = probe.position_m, .read = *at.reading, .arrived = at.moment, .buttons = buttons});
+  path.receive({.position_m = probe.position_m, .read = *at.reading, .arrived = at.moment, .buttons = buttons});
 }
 
 void DynamicModelNow::place(std::size_t seat, const DevicePath::Place& place) noexcept {
@@ -116,15 +116,15 @@ void DynamicModelNow::move_devices(Nanoseconds moment) noexcept {
 /// To where it was told to be, as far as it may.
 void DynamicModelNow::follow(std::size_t seat) noexcept {
   Device& device = devices_[seat];
-  const Point left_m = device.told_m - device.at_m;
+  const Point left_m = device.reported_m - device.at_m;
   const double left = left_m.norm();
   if (left > device.may_move_m) {
     const double share = device.may_move_m / left;
     device.may_move_m = 0;
-    place(seat, {device.at_m + share * left_m, left_m * (kFollows_m_per_s / left), device.told_buttons});
+    place(seat, {device.at_m + share * left_m, left_m * (kFollows_m_per_s / left), device.reported_buttons});
   } else {
     device.may_move_m -= left;
-    place(seat, {device.told_m, device.told_m_per_s, device.told_buttons});
+    place(seat, {device.reported_m, device.reported_m_per_s, device.reported_buttons});
   }
 }
 
@@ -136,19 +136,20 @@ DynamicModelsNow begin_dynamic_models(const Scene& scene, int clients) {
   return dynamic_models;
 }
 
-DynamicModelSeat::DynamicModelSeat(std::shared_ptr<DynamicModelNow> now) : now_(std::move(now)), seat_(now_->join()) {
+DynamicModelCoupling::DynamicModelCoupling(std::shared_ptr<DynamicModelNow> now)
+    : now_(std::move(now)), seat_(now_->join()) {
   if (seat_ < 0) throw std::logic_error("no seat left in '" + name() + "'");
 }
 
-DynamicModelSeat::~DynamicModelSeat() {
+DynamicModelCoupling::~DynamicModelCoupling() {
   if (now_ != nullptr) now_->leave(seat_);
 }
 
-ModelTouch DynamicModelSeat::feel(const Probe& probe, const FeltAt& at, DynamicModelFaults& faults) noexcept {
+ModelTouch DynamicModelCoupling::feel(const Probe& probe, const FeltAt& at, DynamicModelFaults& faults) noexcept {
   DynamicModelState& state = now_->state();
   if (!state.sound()) return {};
   const DynamicModelFaults before = state.faults();
-  now_->take(seat_, probe, at);
+  now_->move_probe(seat_, probe, at);
   now_->advance_to(at.moment);
   const ModelTouch touch = state.touch(seat_);
   const DynamicModelFaults after = state.faults();
@@ -158,7 +159,7 @@ ModelTouch DynamicModelSeat::feel(const Probe& probe, const FeltAt& at, DynamicM
   return touch;
 }
 
-std::optional<Nanoseconds> DynamicModelSeat::played_before(Nanoseconds device_time) const noexcept {
+std::optional<Nanoseconds> DynamicModelCoupling::played_before(Nanoseconds device_time) const noexcept {
   const DevicePath* const path = now_->path_of(seat_);
   if (path == nullptr) return std::nullopt;
   return path->played_before(device_time);

@@ -31,7 +31,7 @@ namespace forcebound::control {
 /// Less than 1e-150 N is zero, asked for or given, so that no force depends on what the processor does with denormals.
 ///
 /// Real time: `tick` is noexcept, allocates nothing, O(dof^3). Not thread-safe; owned by the tick.
-class PassivityController {
+class ForceBounder {
  public:
   struct Counts {
     std::uint64_t requests_not_finite = 0;
@@ -48,7 +48,7 @@ class PassivityController {
 
   /// @throws std::invalid_argument if `law` is null, the facts' vectors disagree in their number of rows, an actuator
   /// step or the largest force is negative or not a number, or there are actuator steps and more joints than axes.
-  PassivityController(const DeviceFacts& facts, std::unique_ptr<PassivityLaw> law);
+  ForceBounder(const DeviceFacts& facts, std::unique_ptr<PassivityLaw> law);
 
   /// One tick without an answer of the environment, because there never was one or the newest is too old: notes the
   /// motion and gives zero force, whatever the law would give.
@@ -63,7 +63,7 @@ class PassivityController {
 
   /// What the server-side law said with the newest force, ahead of the tick that uses that force. If any
   /// number is not finite, all are ignored.
-  void hear(const ServerLawNumbers& numbers) noexcept {
+  void receive(const ServerLawNumbers& numbers) noexcept {
     if (numbers.allFinite()) law_->incoming(numbers);
   }
 
@@ -79,7 +79,7 @@ class PassivityController {
   [[nodiscard]] const Counts& counts() const noexcept { return counts_; }
 
  private:
-  [[nodiscard]] bool note(const Motion& motion) noexcept;
+  [[nodiscard]] bool credit(const Motion& motion) noexcept;
   void count(const Motion& motion) noexcept;
   void lose(const Motion& motion) noexcept;
   void pass(double interval_s) noexcept;

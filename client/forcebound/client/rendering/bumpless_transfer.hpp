@@ -13,16 +13,16 @@ using time::Nanoseconds;
 /// goes on from there, and the difference fades linearly. Longer than some 10 ms it would hide more than the step.
 ///
 /// Real time: noexcept, no allocation.
-class SwapOffset {
+class BumplessTransfer {
  public:
   static constexpr Nanoseconds kFade = std::chrono::milliseconds{10};
 
   /// @param force_N_max of the device: of both forces what it can show counts
-  explicit SwapOffset(double force_N_max) noexcept : force_N_max_(force_N_max) {}
+  explicit BumplessTransfer(double force_N_max) noexcept : force_N_max_(force_N_max) {}
 
   /// From now on `next_N` is requested. @param until_now_N what would have been requested now, with what was left of an
   /// offset before
-  void swap(const Vector& until_now_N, const Vector& next_N, Nanoseconds now) noexcept {
+  void begin(const Vector& until_now_N, const Vector& next_N, Nanoseconds now) noexcept {
     offset_N_ =
         local_model::no_longer_than(until_now_N, force_N_max_) - local_model::no_longer_than(next_N, force_N_max_);
     since_ = now;

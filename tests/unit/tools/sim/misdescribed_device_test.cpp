@@ -1,4 +1,4 @@
-#include "tests/tools/sim/told_device.hpp"
+#include "tests/tools/sim/misdescribed_device.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-TEST(ToldDevice, MovesAsItTrulyDoesAndTellsWhatItWasTold) {
+TEST(MisdescribedDevice, MovesAsItTrulyDoesAndTellsWhatItWasTold) {
   for (const char* const name : {"wall-1dof", "omni"}) {
     SCOPED_TRACE(name);
     const auto description = device::load_device(name);
@@ -22,7 +22,7 @@ TEST(ToldDevice, MovesAsItTrulyDoesAndTellsWhatItWasTold) {
     control::DeviceFacts told = description.facts;
     told.damping *= 0.5;
     told.latency_s = 1e-4;
-    ToldDevice device(moved, told);
+    MisdescribedDevice device(moved, told);
     EXPECT_EQ(device.facts().latency_s, 1e-4);
     for (device::Nanoseconds now = 0ms; now < 200ms; now += 1ms) {
       const device::Reading expected = truth.read(now);

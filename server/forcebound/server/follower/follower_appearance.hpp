@@ -19,20 +19,21 @@ namespace forcebound::server {
 /// device:
 ///
 ///     x_world = x_leader + m R p        m, R of WorkspaceSettings; m is the `scale` of that shape
-class FollowerLooks {
+class FollowerAppearance {
  public:
   static constexpr std::size_t kSolids = 0;  ///< groups of the description
   static constexpr std::size_t kValues = 1;
 
   /// @param model must outlive it
   /// @param task null: nothing is known of what the robot holds and of its surroundings
-  FollowerLooks(const RobotModel& model, const Task* task, const FollowerSettings& settings, bool is_audited);
+  FollowerAppearance(const RobotModel& model, const Task* task, const FollowerSettings& settings, bool is_audited);
 
   [[nodiscard]] const std::shared_ptr<const view::Description>& description() const noexcept { return description_; }
 
-  /// As Environment::see. Real time: noexcept, no allocation; the links' poses are found here, not on the robot's tick.
-  [[nodiscard]] std::size_t see(const FollowerReport& report, std::size_t group, std::size_t first,
-                                std::span<float> to) const noexcept;
+  /// As Environment::sample. Real time: noexcept, no allocation; the links' poses are found here, not on the robot's
+  /// tick.
+  [[nodiscard]] std::size_t sample(const FollowerReport& report, std::size_t group, std::size_t first,
+                                   std::span<float> to) const noexcept;
 
   /// With their units; the last ones only of robots that are audited.
   [[nodiscard]] static std::vector<std::string> value_names(bool is_audited);
@@ -47,10 +48,10 @@ class FollowerLooks {
     Eigen::Vector3d opens_m{Eigen::Vector3d::Zero()};
   };
 
-  [[nodiscard]] std::size_t see_solids(const FollowerReport& report, std::size_t first,
-                                       std::span<float> to) const noexcept;
-  [[nodiscard]] std::size_t see_values(const FollowerReport& report, std::size_t first,
-                                       std::span<float> to) const noexcept;
+  [[nodiscard]] std::size_t sample_solids(const FollowerReport& report, std::size_t first,
+                                          std::span<float> to) const noexcept;
+  [[nodiscard]] std::size_t sample_values(const FollowerReport& report, std::size_t first,
+                                          std::span<float> to) const noexcept;
 
   const RobotModel& model_;
   std::vector<Solid> solids_;

@@ -1,4 +1,4 @@
-#include "forcebound/client/commands/view/shipped_look.hpp"
+#include "forcebound/client/commands/view/shipped_appearance.hpp"
 
 #include <algorithm>
 #include <exception>
@@ -13,7 +13,7 @@
 namespace forcebound::client::commands {
 namespace {
 
-view::ShownScene look_of(const std::shared_ptr<const scene::Scene>& scene, int degrees_of_freedom) {
+view::ShownScene appearance_of(const std::shared_ptr<const scene::Scene>& scene, int degrees_of_freedom) {
   const auto rows = static_cast<std::uint32_t>(degrees_of_freedom);
   if (!scene->accepts(rows)) {
     throw std::invalid_argument("scene '" + scene->facts().name + "' is for devices of " +
@@ -21,20 +21,21 @@ view::ShownScene look_of(const std::shared_ptr<const scene::Scene>& scene, int d
                                 std::to_string(degrees_of_freedom));
   }
   const server::MadeEnvironment made = server::scene_environment(scene).make({.degrees_of_freedom = rows});
-  const auto looks = made.environment->looks(view::Which::all);
-  view::ShownScene shown = view::read_description(looks->text)->shown;
-  if (!looks->moving.empty()) view::add_words(shown.more, "what moves is drawn as it begins: it is not recorded");
+  const auto appearance = made.environment->appearance(view::Which::all);
+  view::ShownScene shown = view::read_description(appearance->text)->shown;
+  if (!appearance->moving.empty()) view::add_words(shown.more, "what moves is drawn as it begins: it is not recorded");
   return shown;
 }
 
 }  // namespace
 
 std::string scene_message_of(const Recorded& recorded, const std::string& file) {
-  if (!file.empty()) return view::scene_message(0, look_of(server::load_scene(file), recorded.degrees_of_freedom));
+  if (!file.empty())
+    return view::scene_message(0, appearance_of(server::load_scene(file), recorded.degrees_of_freedom));
   view::ShownScene shown{.name = recorded.scene()};
   try {
     const auto scene = server::SceneLibrary::shipped().find(shown.name);
-    if (scene) return view::scene_message(0, look_of(scene, recorded.degrees_of_freedom));
+    if (scene) return view::scene_message(0, appearance_of(scene, recorded.degrees_of_freedom));
     const auto tasks = server::task_names();
     if (std::ranges::find(tasks, shown.name) != tasks.end()) {
       shown.more = "work of a robot: where arm and surroundings were is not in the recording";

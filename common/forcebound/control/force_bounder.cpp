@@ -1,4 +1,4 @@
-#include "forcebound/control/passivity_controller.hpp"
+#include "forcebound/control/force_bounder.hpp"
 
 #include <Eigen/LU>
 #include <cmath>
@@ -29,7 +29,7 @@ Vector rounded_toward_zero(Vector command, const Vector& step) noexcept {
 
 }  // namespace
 
-PassivityController::PassivityController(const DeviceFacts& facts, std::unique_ptr<PassivityLaw> law)
+ForceBounder::ForceBounder(const DeviceFacts& facts, std::unique_ptr<PassivityLaw> law)
     : law_(std::move(law)),
       times_(facts),
       dof_(facts.degrees_of_freedom()),
@@ -42,7 +42,7 @@ PassivityController::PassivityController(const DeviceFacts& facts, std::unique_p
   if (reach_m_per_s_.rows() > 0) {
     reading_error_ += (facts.uncertainty.stamp_s.most - facts.uncertainty.stamp_s.least) * reach_m_per_s_;
   }
-  if (!law_) throw std::invalid_argument("a passivity controller needs a law");
+  if (!law_) throw std::invalid_argument("a force bounder needs a law");
   if (actuator_step_.rows() != facts.joints()) {
     throw std::invalid_argument("device '" + facts.name + "': actuator step must have " +
                                 std::to_string(facts.joints()) + " rows, got " + std::to_string(actuator_step_.rows()));
@@ -67,7 +67,7 @@ PassivityController::PassivityController(const DeviceFacts& facts, std::unique_p
   }
 }
 
-void PassivityController::count(const Motion& motion) noexcept {
+void ForceBounder::count(const Motion& motion) noexcept {
   counts_.intervals_impossible += !stamps_.stamp_believed();
   counts_.writes_failed += motion.write_failed;
   counts_.effects_outside_facts += times_.effect_is_outside_facts(motion);
@@ -75,18 +75,18 @@ void PassivityController::count(const Motion& motion) noexcept {
 }
 
 /// Of the two intervals at a wrong stamp, neither says how long the device moved.
-void PassivityController::pass(double interval_s) noexcept {
+void ForceBounder::pass(double interval_s) noexcept {
   stamps_.pass(interval_s);
   since_reached_s_ += stamps_.interval_believed() ? interval_s : std::numeric_limits<double>::infinity();
 }
 
 /// Whether the joints can have come there since the last reading that was used.
-bool PassivityController::within_reach(const Motion& motion) const noexcept {
+bool ForceBounder::within_reach(const Motion& motion) const noexcept {
   return ((motion.joint - reached_).cwiseAbs().array() <= (since_reached_s_ * reach_m_per_s_ + reading_error_).array())
       .all();
 }
 
-void PassivityController::lose(const Motion& motion) noexcept {
+void ForceBounder::lose(const Motion& motion) noexcept {
   ++counts_.readings_too_far;
   if (reached_surely_) {
     law_->lose(motion);
@@ -100,7 +100,7 @@ void PassivityController::lose(const Motion& motion) noexcept {
 }
 
 /// False for a reading that is not finite or out of reach.
-bool PassivityController::note(const Motion& motion) noexcept {
+bool ForceBounder::credit(const Motion& motion) noexcept {
   pass(motion.interval_s);
   count(motion);
   if (!motion.position.allFinite() || !motion.joint.allFinite() || !motion.jacobian.allFinite()) {
@@ -122,17 +122,17 @@ bool PassivityController::note(const Motion& motion) noexcept {
   return true;
 }
 
-Vector PassivityController::release(const Motion& motion) noexcept {
+Vector ForceBounder::release(const Motion& motion) noexcept {
   const Vector zero = Vector::Zero(dof_);
   // The law is asked although its answer is not used: it may have a tool of its own to move.
-  if (note(motion)) (void)law_->bound(zero);
+  if (credit(motion)) (void)law_->bound(zero);
   law_->commit(zero);
   return zero;
 }
 
-Vector PassivityController::tick(const Motion& motion, const Vector& request_N) noexcept {
+Vector ForceBounder::tick(const Motion& motion, const Vector& request_N) noexcept {
   Vector force = Vector::Zero(dof_);
-  if (note(motion)) force = rounded(sound(law_->bound(saturated(request_N))), motion);
+  if (credit(motion)) force = rounded(sound(law_->bound(saturated(request_N))), motion);
   if (next_to_nothing(force)) force.setZero();
   FORCEBOUND_ASSERT(force.rows() == dof_ && force.allFinite(),
                     "a force that is committed is finite, with a row for each degree of freedom");
@@ -140,7 +140,7 @@ Vector PassivityController::tick(const Motion& motion, const Vector& request_N) 
   return force;
 }
 
-Vector PassivityController::confirmed(const Vector& force_N, double latency_s) noexcept {
+Vector ForceBounder::confirmed(const Vector& force_N, double latency_s) noexcept {
   if (force_N.isZero(0)) return force_N;
   if (latency_s >= latency_s_least_ && law_->allows(force_N, latency_s)) return force_N;
   ++counts_.withdrawn;
@@ -149,7 +149,7 @@ Vector PassivityController::confirmed(const Vector& force_N, double latency_s) n
   return zero;
 }
 
-Vector PassivityController::saturated(const Vector& request_N) noexcept {
+Vector ForceBounder::saturated(const Vector& request_N) noexcept {
   if (request_N.rows() != dof_ || !request_N.allFinite()) {
     ++counts_.requests_not_finite;
     return Vector::Zero(dof_);
@@ -165,7 +165,7 @@ Vector PassivityController::saturated(const Vector& request_N) noexcept {
 
 /// Guards against a faulty law: a force that is not finite or of the wrong size becomes zero; one longer than the
 /// device may be asked for is shortened.
-Vector PassivityController::sound(const Vector& force_N) noexcept {
+Vector ForceBounder::sound(const Vector& force_N) noexcept {
   if (force_N.rows() != dof_ || !force_N.allFinite()) {
     ++counts_.forces_not_finite;
     return Vector::Zero(dof_);
@@ -175,7 +175,7 @@ Vector PassivityController::sound(const Vector& force_N) noexcept {
   return 1 > most * kRounding ? Vector(force_N * most) : force_N;
 }
 
-Vector PassivityController::rounded(const Vector& force_N, const Motion& motion) const noexcept {
+Vector ForceBounder::rounded(const Vector& force_N, const Motion& motion) const noexcept {
   if (actuator_step_.isZero(0)) return force_N;
   const Matrix& jacobian = motion.jacobian;
   Vector force = cartesian_ ? rounded_toward_zero(force_N, actuator_step_)

@@ -1,4 +1,4 @@
-#include "forcebound/server/follower/follower_looks.hpp"
+#include "forcebound/server/follower/follower_appearance.hpp"
 
 #include <algorithm>
 #include <array>
@@ -108,8 +108,8 @@ Eigen::Isometry3d frame_of_pose(const ToolPose& pose) noexcept {
 
 }  // namespace
 
-FollowerLooks::FollowerLooks(const RobotModel& model, const Task* task, const FollowerSettings& settings,
-                             bool is_audited)
+FollowerAppearance::FollowerAppearance(const RobotModel& model, const Task* task, const FollowerSettings& settings,
+                                       bool is_audited)
     : model_(model) {
   view::MovingGroup moving;
   view::ShownScene shown{.name = task == nullptr ? std::string(model.name()) : task->name};
@@ -145,7 +145,7 @@ FollowerLooks::FollowerLooks(const RobotModel& model, const Task* task, const Fo
       std::make_shared<const view::Description>(view::describe(std::move(shown), {}, {std::move(moving), values}));
 }
 
-std::vector<std::string> FollowerLooks::value_names(bool is_audited) {
+std::vector<std::string> FollowerAppearance::value_names(bool is_audited) {
   std::vector<std::string> names{
       "state",     "tool_x_m",     "tool_y_m",     "tool_z_m",     "force_x_N",         "force_y_N",
       "force_z_N", "torque_x_N_m", "torque_y_N_m", "torque_z_N_m", "leader_has_clutch", "lag_m",
@@ -154,16 +154,16 @@ std::vector<std::string> FollowerLooks::value_names(bool is_audited) {
   return names;
 }
 
-std::size_t FollowerLooks::see(const FollowerReport& report, std::size_t group, std::size_t first,
-                               std::span<float> to) const noexcept {
+std::size_t FollowerAppearance::sample(const FollowerReport& report, std::size_t group, std::size_t first,
+                                       std::span<float> to) const noexcept {
   // Without a reading nobody knows where anything is.
   if (report.picture.joint.rows() == 0) return 0;
-  if (group == kSolids) return see_solids(report, first, to);
-  return group == kValues ? see_values(report, first, to) : 0;
+  if (group == kSolids) return sample_solids(report, first, to);
+  return group == kValues ? sample_values(report, first, to) : 0;
 }
 
-std::size_t FollowerLooks::see_solids(const FollowerReport& report, std::size_t first,
-                                      std::span<float> to) const noexcept {
+std::size_t FollowerAppearance::sample_solids(const FollowerReport& report, std::size_t first,
+                                              std::span<float> to) const noexcept {
   const FollowerPicture& picture = report.picture;
   const LinkFrames links = model_.link_frames(picture.joint);
   const Eigen::Isometry3d tool = frame_of_pose(picture.tool);
@@ -194,8 +194,8 @@ std::size_t FollowerLooks::see_solids(const FollowerReport& report, std::size_t 
   return count;
 }
 
-std::size_t FollowerLooks::see_values(const FollowerReport& report, std::size_t first,
-                                      std::span<float> to) const noexcept {
+std::size_t FollowerAppearance::sample_values(const FollowerReport& report, std::size_t first,
+                                              std::span<float> to) const noexcept {
   const FollowerPicture& now = report.picture;
   constexpr double kNobody = -1;
   const double leader_has_clutch = !now.leader_has_clutch ? kNobody : *now.leader_has_clutch ? 1 : 0;
