@@ -120,6 +120,29 @@ TEST(DeviceFlaws, AddToTheTorqueAlongWithTheMotion) {
   EXPECT_NEAR(speed_of(device, milliseconds(1)), 1.1 * speed_under_one_newton(1e-3), 1e-12);
 }
 
+TEST(DeviceFlaws, MultiplyEachTorqueByOneConstant) {
+  SimulatedDevice device = device_with({.torque_gain_share = {0.1, 0.1}});
+  EXPECT_NEAR(speed_of(device, milliseconds(1)), 1.1 * speed_under_one_newton(1e-3), 1e-12);
+}
+
+TEST(DeviceFlaws, DelayAllForcesByOneConstant) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    SimulatedDevice device = device_with({.seed = seed, .latency_offset_s = {1e-4, 3e-4}, .effects_reported = true});
+    (void)device.read(kBegin);
+    Nanoseconds first{0};
+    for (int tick = 0; tick < 5; ++tick) {
+      const Nanoseconds now = kBegin + tick * milliseconds(1);
+      device.apply(now, newtons(1));
+      (void)device.read(now + microseconds(900));
+      const Nanoseconds later = device.effective_at().value() - now;
+      if (tick == 0) first = later;
+      EXPECT_EQ(later, first);
+    }
+    EXPECT_GE(first, microseconds(100));
+    EXPECT_LE(first, microseconds(300));
+  }
+}
+
 TEST(DeviceFlaws, LoseCountsForGood) {
   SimulatedDevice device = device_with({.lost_counts = 1}, "encoder_step_m = 1e-3\n");
   (void)device.read(kBegin);
