@@ -55,6 +55,13 @@ Point AnswerRendering::held_N(bool server_parts_alone) const noexcept {
   return translation_of(server_parts_alone ? server_parts_N_ : force_N_);
 }
 
+/// What the device can show of an answer with its models. What fades is added to that: then a force beyond it, as of a
+/// model that went on through a blackout, does not come at once.
+Point AnswerRendering::shown_N(const Sum& sum, double share, const Tick& tick) const noexcept {
+  const Point all_N = share * held_N(tick.server_parts_alone) + sum.correction_N;
+  return local_model::no_longer_than(all_N, tick.force_N_max);
+}
+
 AnswerRendering::Sum AnswerRendering::sum(const ModelAge& age, double share) const noexcept {
   Sum all;
   const bool goes_on = ended_ != session_;
@@ -118,8 +125,7 @@ AnswerRendering::Sum AnswerRendering::go_over_to(const wire::EnvironmentForce& n
                                                  const ModelAge& age_before, double share_before) noexcept {
   const bool first = sequence_ == 0;
   const bool modelled = !model_.empty();
-  const Point until_now_N =
-      share_before * held_N(tick.server_parts_alone) + sum(age_before, share_before).correction_N + fading_N_;
+  const Point until_now_N = shown_N(sum(age_before, share_before), share_before, tick) + fading_N_;
   const bool goes_on = until_now_N.allFinite();
   if (!goes_on) {
     // That is the fault of the answer before, of which nothing is left for the newest.
@@ -128,11 +134,7 @@ AnswerRendering::Sum AnswerRendering::go_over_to(const wire::EnvironmentForce& n
   }
   store_answer(newest, tick);
   const Sum next = sum(tick.age, tick.share);
-  if (!first && goes_on && (modelled || !model_.empty())) {
-    const Point next_N = tick.share * held_N(tick.server_parts_alone) + next.correction_N;
-    fading_N_ = local_model::no_longer_than(until_now_N, tick.force_N_max) -
-                local_model::no_longer_than(next_N, tick.force_N_max);
-  }
+  if (!first && goes_on && (modelled || !model_.empty())) fading_N_ = until_now_N - shown_N(next, tick.share, tick);
   return next;
 }
 
@@ -145,7 +147,11 @@ AnswerRendering::Rendered AnswerRendering::render(const wire::EnvironmentForce& 
   advance(age, tick.now);
   const double share_before = std::exchange(share_, tick.share);
   const Sum now = another ? go_over_to(newest, tick, age, share_before) : sum(tick.age, tick.share);
-  const Point correction_N = now.correction_N + fading_N_;
+  Point correction_N = now.correction_N;
+  if (!model_.empty() || !fading_N_.isZero(0)) {
+    const Point all_N = tick.share * held_N(tick.server_parts_alone) + now.correction_N;
+    correction_N += local_model::no_longer_than(all_N, tick.force_N_max) - all_N + fading_N_;
+  }
   const Eigen::Index rows = tick.place.rows();
   if (!correction_N.allFinite()) {
     ++refused_;

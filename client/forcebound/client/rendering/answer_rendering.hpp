@@ -84,6 +84,7 @@ class AnswerRendering {
   void store_answer(const wire::EnvironmentForce& newest, const Tick& tick) noexcept;
   [[nodiscard]] Sum go_over_to(const wire::EnvironmentForce& newest, const Tick& tick, const ModelAge& age_before,
                                double share_before) noexcept;
+  [[nodiscard]] Point shown_N(const Sum& sum, double share, const Tick& tick) const noexcept;
   [[nodiscard]] Sum sum(const ModelAge& age, double share) const noexcept;
   [[nodiscard]] Point held_N(bool server_parts_alone) const noexcept;
 

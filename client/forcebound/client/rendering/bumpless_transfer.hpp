@@ -28,14 +28,16 @@ class BumplessTransfer {
     since_ = now;
   }
 
-  /// To be added to a request of so many rows.
-  [[nodiscard]] Vector left_N(Eigen::Index rows, Nanoseconds now) noexcept {
+  /// What is requested in place of `request_N`. As long as something fades, no more of it counts than the device can
+  /// show: else a request beyond that would come at once.
+  [[nodiscard]] Vector applied_to(const Vector& request_N, Nanoseconds now) noexcept {
     const Nanoseconds passed = now - since_;
-    if (offset_N_.rows() != rows || passed >= kFade || passed < Nanoseconds::zero()) {
+    if (offset_N_.rows() != request_N.rows() || passed >= kFade || passed < Nanoseconds::zero()) {
       offset_N_.resize(0);
-      return Vector::Zero(rows);
+      return request_N;
     }
-    return (1 - time::to_seconds(passed) / time::to_seconds(kFade)) * offset_N_;
+    return local_model::no_longer_than(request_N, force_N_max_) +
+           (1 - time::to_seconds(passed) / time::to_seconds(kFade)) * offset_N_;
   }
 
  private:

@@ -76,12 +76,12 @@ void RequestRendering::swap_sources(Nanoseconds now, Request& request) noexcept 
     // said it last.
     Vector until_now_N = last_request_N_;
     if (!before) {
-      until_now_N = request.remote_N + transfer_.left_N(request.remote_N.rows(), now);
+      until_now_N = transfer_.applied_to(request.remote_N, now);
       if (request.models.correction_N.rows() == until_now_N.rows()) until_now_N += request.models.correction_N;
     }
     transfer_.begin(until_now_N, request.force_N, now);
   }
-  request.force_N += transfer_.left_N(request.force_N.rows(), now);
+  request.force_N = transfer_.applied_to(request.force_N, now);
 }
 
 }  // namespace forcebound::client

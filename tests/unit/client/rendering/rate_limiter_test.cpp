@@ -46,19 +46,21 @@ TEST(RateLimiter, LosesNoTimeBeyondWhatTheDeviceShows) {
 TEST(BumplessTransfer, FadesWhatTheDeviceShowedAndNoMore) {
   BumplessTransfer transfer(30);
   transfer.begin(vector_of({1000}), vector_of({10}), 0ms);
-  EXPECT_TRUE(transfer.left_N(1, 0ms).isApprox(vector_of({20})));
+  EXPECT_TRUE(transfer.applied_to(vector_of({10}), 0ms).isApprox(vector_of({30})));
   transfer.begin(vector_of({0}), vector_of({-1e6}), 0ms);
-  EXPECT_TRUE(transfer.left_N(1, 0ms).isApprox(vector_of({30})));
+  EXPECT_NEAR(transfer.applied_to(vector_of({-1e6}), 0ms)[0], 0, 1e-12) << "not all of it at once";
+  EXPECT_NEAR(transfer.applied_to(vector_of({-1e6}), 5ms)[0], -15, 1e-12);
+  EXPECT_EQ(transfer.applied_to(vector_of({-1e6}), 10ms), vector_of({-1e6}));
 }
 
 TEST(BumplessTransfer, GoesOnWhereTheForceWasAndEndsAfterTenMilliseconds) {
   BumplessTransfer transfer(30);
-  EXPECT_EQ(transfer.left_N(1, 0ms), vector_of({0}));
+  EXPECT_EQ(transfer.applied_to(vector_of({1}), 0ms), vector_of({1}));
   transfer.begin(vector_of({5}), vector_of({1}), 7ms);
-  EXPECT_EQ(transfer.left_N(1, 7ms), vector_of({4}));
-  EXPECT_EQ(transfer.left_N(1, 12ms), vector_of({2}));
-  EXPECT_EQ(transfer.left_N(1, 17ms), vector_of({0}));
-  EXPECT_EQ(transfer.left_N(1, 12ms), vector_of({0})) << "it is over";
+  EXPECT_EQ(transfer.applied_to(vector_of({1}), 7ms), vector_of({5}));
+  EXPECT_EQ(transfer.applied_to(vector_of({1}), 12ms), vector_of({3}));
+  EXPECT_EQ(transfer.applied_to(vector_of({1}), 17ms), vector_of({1}));
+  EXPECT_EQ(transfer.applied_to(vector_of({1}), 12ms), vector_of({1})) << "it is over";
 }
 
 }  // namespace
