@@ -147,10 +147,19 @@ TEST_F(RenderedAnswer, GoesOnWhereItWasWhenAnotherAnswerSaysOtherwiseAndGetsTher
 TEST_F(RenderedAnswer, FadesFromWhatTheDeviceShowedNotFromWhatWasAskedFor) {
   receive_pad(0.04);
   newest.answer.model.surfaces[0].radius_m = 1;
-  EXPECT_NEAR(settled_at(-0.05), 50, 1e-9);
+  EXPECT_NEAR(settled_at(-0.05), 30, 1e-9);
   receive(2);
   EXPECT_NEAR(at(-0.05), 30, 1e-9);
   for (int i = 1; i <= 10; ++i) EXPECT_NEAR(at(-0.05), 2 + 28 * std::exp(-1e-3 * i / AnswerRendering::kFade_s), 1e-9);
+}
+
+TEST_F(RenderedAnswer, FadesToWhatTheDeviceCanShowWhereAModelAsksForMore) {
+  receive(0);
+  EXPECT_EQ(settled_at(-0.05), 0);
+  receive_pad(0.04);
+  newest.answer.model.surfaces[0].radius_m = 1;
+  EXPECT_NEAR(at(-0.05), 0, 1e-9);
+  for (int i = 1; i <= 10; ++i) EXPECT_NEAR(at(-0.05), 30 - 30 * std::exp(-1e-3 * i / AnswerRendering::kFade_s), 1e-9);
 }
 
 TEST_F(RenderedAnswer, GoesOnWhereItWasWhenAnAnswerHasNoModelAnyMore) {
