@@ -41,7 +41,10 @@ TEST(ServerCounters, AddEachCountToItsOwn) {
 #define FORCEBOUND_FILL(subject, name, words) fill(first.name, second.name);
   FORCEBOUND_SERVER_COUNTS(FORCEBOUND_FILL)
 #undef FORCEBOUND_FILL
-  for (std::size_t i = 0; i < first.malformed.size(); ++i) fill(first.malformed[i], second.malformed[i]);
+  for (std::size_t i = 0; i < first.malformed.size(); ++i) {
+    const auto kind = static_cast<wire::Malformed>(i);
+    fill(first.malformed[kind], second.malformed[kind]);
+  }
   first.add(second);
   number = 0;
 #define FORCEBOUND_CHECK(subject, name, words) EXPECT_EQ(first.name, 1001 * ++number) << words;
