@@ -150,7 +150,8 @@ AnswerRendering::Rendered AnswerRendering::render(const wire::EnvironmentForce& 
   Point correction_N = now.correction_N;
   if (!model_.empty() || !fading_N_.isZero(0)) {
     const Point all_N = tick.share * held_N(tick.server_parts_alone) + now.correction_N;
-    correction_N += local_model::no_longer_than(all_N, tick.force_N_max) - all_N + fading_N_;
+    correction_N += fading_N_;
+    if (all_N.norm() > tick.force_N_max) correction_N += local_model::no_longer_than(all_N, tick.force_N_max) - all_N;
   }
   const Eigen::Index rows = tick.place.rows();
   if (!correction_N.allFinite()) {
