@@ -1,8 +1,10 @@
 #include "tests/architecture/include_rule.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <optional>
+#include <set>
 #include <sstream>
 
 #include "tests/architecture/source_text.hpp"
@@ -100,6 +102,33 @@ std::string known_on(std::string_view page, const std::vector<std::string>& fold
   return text.empty() ? "nothing else of ours" : text;
 }
 
+/// Such folders may include each other.
+bool one_is_within_the_other(std::string_view one, std::string_view other) {
+  return is_below(one, other) || is_below(other, one);
+}
+
+/// Adds what a folder may include, and what that may, and so on.
+void add_reached(std::string_view path, std::set<std::string>& reached) {
+  for (const Folder& folder : folders()) {
+    if (folder.path != path) continue;
+    for (const std::string& known : folder.known) {
+      if (!one_is_within_the_other(known, path) && reached.insert(known).second) add_reached(known, reached);
+    }
+  }
+}
+
+/// What a folder may include, without what follows from others of it.
+std::vector<std::string> without_followers(const Folder& here) {
+  std::set<std::string> following;
+  for (const std::string& known : here.known) {
+    if (!one_is_within_the_other(known, here.path)) add_reached(known, following);
+  }
+  std::vector<std::string> left;
+  std::ranges::copy_if(here.known, std::back_inserter(left),
+                       [&](const std::string& known) { return !following.contains(known); });
+  return left;
+}
+
 }  // namespace
 
 std::string include_table(std::string_view page) {
@@ -107,7 +136,7 @@ std::string include_table(std::string_view page) {
   for (const Folder& folder : folders()) {
     if (page_of(folder.path) != page) continue;
     table += "| " + (folder.path == page ? "all others" : name_on(page, folder.path)) + " | ";
-    table += known_on(page, folder.known) + " |\n";
+    table += known_on(page, without_followers(folder)) + " |\n";
   }
   return table;
 }

@@ -22,7 +22,7 @@ std::span<const text::EmbeddedText> declared_rule() noexcept;
 std::vector<Violation> include_violations(std::string_view file, std::string_view text);
 
 /// The folders below `common`, `client`, `server` or `tests` and what each may include beside its own headers, as a
-/// table in Markdown.
+/// table in Markdown, without what follows from others: where A includes B and B includes C, A's own includes of C.
 std::string include_table(std::string_view page);
 
 }  // namespace forcebound::architecture

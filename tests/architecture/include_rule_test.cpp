@@ -14,6 +14,7 @@
 namespace forcebound::architecture {
 namespace {
 
+using testing::ContainsRegex;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -157,11 +158,18 @@ TEST(IncludeRule, RefusesAFolderWithoutARule) {
   EXPECT_THAT(only_violation("common/forcebound/audio/horn.cpp", ""), HasSubstr("no rule"));
 }
 
+TEST(IncludeTable, LeavesOutWhatFollowsFromOthers) {
+  const std::string table = include_table("common");
+  EXPECT_THAT(table, HasSubstr("| `baselines` | `config` |\n")) << "config includes control and text";
+  EXPECT_THAT(table, HasSubstr("| `child` | `text` |\n"));
+  EXPECT_THAT(include_table("client"), ContainsRegex("\\| `commands/report` \\| `commands`, `common`'s .*`results`"))
+      << "a folder and one within it include each other";
+}
+
 TEST(Pages, ListWhatEachFolderMayInclude) {
   for (const char* const page : {"common", "client", "server", "tests"}) {
     test::expect_on_page(std::string(page) + "/README.md", "includes", include_table(page));
   }
-  test::expect_on_page("tests/architecture/README.md", "privileges", privilege_table());
 }
 
 TEST(FileCircles, AreNamedWithEachOfTheirIncludes) {

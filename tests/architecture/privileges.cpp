@@ -148,12 +148,4 @@ std::vector<Violation> privilege_violations(std::string_view file, std::string_v
   return found;
 }
 
-std::string privilege_table() {
-  std::string table = "| what | where |\n| --- | --- |\n";
-  for (const Privilege& privilege : kPrivileges) {
-    table += "| " + std::string(privilege.name) + " | " + std::string(privilege.owner) + " |\n";
-  }
-  return table;
-}
-
 }  // namespace forcebound::architecture

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <string>
 #include <string_view>
 #include <vector>
 
@@ -11,8 +10,5 @@ namespace forcebound::architecture {
 
 /// All of it in one source file that may not have it. @param file path relative to the source root, with '/'
 std::vector<Violation> privilege_violations(std::string_view file, std::string_view text);
-
-/// What only some files may have, and which, as a table in Markdown.
-std::string privilege_table();
 
 }  // namespace forcebound::architecture
