@@ -80,13 +80,11 @@ Vector parabola_slope(const MotionSample& a, const MotionSample& b, const Motion
 }
 
 std::string doubt_of(const std::vector<MotionSample>& motion) {
-  RecordedPace pace{.interval_s = motion.back().time_s / static_cast<double>(motion.size() - 1)};
+  RecordedPace pace;
   for (std::size_t i = 1; i < motion.size(); ++i) {
-    const double speed_m_per_s =
-        (motion[i].position - motion[i - 1].position).norm() / (motion[i].time_s - motion[i - 1].time_s);
-    pace.speed_m_per_s_max = std::max(pace.speed_m_per_s_max, speed_m_per_s);
+    pace.add_row(motion[i].time_s - motion[i - 1].time_s, (motion[i].position - motion[i - 1].position).norm());
   }
-  return doubt_of_units(pace);
+  return pace.doubt_of_units();
 }
 
 }  // namespace

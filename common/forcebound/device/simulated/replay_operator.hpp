@@ -33,7 +33,7 @@ class ReplayOperator final : public SpecifiedOperator {
   ReplayOperator(OperatorSettings settings, int dof, std::vector<MotionSample> motion);
   [[nodiscard]] Target target(double time_s) const noexcept override;
 
-  /// See doubt_of_units; empty: nothing.
+  /// See RecordedPace::doubt_of_units; empty: nothing.
   [[nodiscard]] const std::string& doubt() const noexcept { return doubt_; }
 
  private:

@@ -108,6 +108,10 @@ TEST(ReplayOperator, InOtherUnitsThanSecondsAndMetresSaysWhich) {
   EXPECT_THAT(doubt(1e-3, 1), HasSubstr("is the period in ms?"));
 }
 
+TEST(ReplayOperator, MayRestForLongWithoutAQuestionOfItsUnits) {
+  EXPECT_EQ(replay(kHand + std::string("600,0.02,0,0.5\n"), 3).doubt(), "");
+}
+
 TEST(ReplayOperator, BeginsAtRestAndScalesBeforeItMoves) {
   const ReplayOperator hand = replay(kHand, 2, "scale=0.5,offset_x_m=0.1,offset_y_m=-0.2");
   EXPECT_EQ(hand.target(0).velocity.norm(), 0);

@@ -189,27 +189,20 @@ ReplayCounts replay(const ReplayOptions& options, const ReplayInput& input, std:
   write_line(output, output_header(axes));
 
   ReplayCounts counts;
-  counts.pace.period_s = options.period_s;
+  counts.pace = device::RecordedPace(options.period_s);
   std::optional<double> previous_s;
   Vector previous_m;
-  double total_s = 0;
   for (auto row = reader.row(columns); !row.empty(); row = reader.row(columns)) {
     const double time_s = row.front();
     motion.interval_s = checked_interval_s(time_s, previous_s, reader);
     motion.position = motion.joint = Vector::Map(row.data() + 1, axes);
     const Vector force = bounder.tick(motion, Vector::Map(row.data() + 1 + axes, axes));
     write_line(output, answer(time_s, force, bounder.law()));
-    if (motion.interval_s > 0) {
-      const double speed_m_per_s = (motion.position - previous_m).norm() / motion.interval_s;
-      // Not one that is not a number.
-      if (speed_m_per_s > counts.pace.speed_m_per_s_max) counts.pace.speed_m_per_s_max = speed_m_per_s;
-    }
-    total_s += motion.interval_s;
+    if (previous_s) counts.pace.add_row(motion.interval_s, (motion.position - previous_m).norm());
     previous_s = time_s;
     previous_m = motion.position;
     ++counts.rows;
   }
-  if (counts.rows > 1) counts.pace.interval_s = total_s / static_cast<double>(counts.rows - 1);
   counts.requests_not_finite = bounder.counts().requests_not_finite;
   counts.readings_not_finite = bounder.counts().readings_not_finite;
   counts.intervals_impossible = bounder.counts().intervals_impossible;

@@ -76,7 +76,7 @@ Stream opened(const std::string& path, const char* failed) {
 }
 
 void report(const ReplayCounts& counts, const std::string& input) {
-  if (const std::string doubt = device::doubt_of_units(counts.pace); !doubt.empty()) {
+  if (const std::string doubt = counts.pace.doubt_of_units(); !doubt.empty()) {
     std::cerr << "note: " << input << ' ' << doubt << '\n';
   }
   if (counts.requests_not_finite > 0) {

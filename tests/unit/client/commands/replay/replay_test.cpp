@@ -343,7 +343,7 @@ TEST(Replay, KnowsThePaceOfItsRowsSoThatOtherUnitsAreSaid) {
     std::ostringstream output;
     ReplayOptions options = wall_options();
     options.period_s = 1e-3;
-    return device::doubt_of_units(replay(options, {input, "rows.csv"}, output).pace);
+    return replay(options, {input, "rows.csv"}, output).pace.doubt_of_units();
   };
   EXPECT_EQ(doubt("0,0,0\n0.001,1e-3,0\n0.002,2e-3,0\n"), "");
   EXPECT_EQ(doubt("0,0,0\n0.001,4e-3,0\n0.002,5e-3,0\n"), "moves at up to 4 m/s: are its positions in mm?");
@@ -353,6 +353,7 @@ TEST(Replay, KnowsThePaceOfItsRowsSoThatOtherUnitsAreSaid) {
             "has rows 1e-06 s apart, 0.001 times the period of 0.001 s: are its times in 1000 s, or is the period in "
             "ms?");
   EXPECT_EQ(doubt("0,0,0\n"), "");
+  EXPECT_EQ(doubt("0,0,0\n0.001,0,0\n0.002,0,0\n600,0,0\n"), "") << "one long pause";
 }
 
 TEST(Replay, RefusesAMalformedRowByFileAndLine) {
