@@ -75,13 +75,14 @@ class FaultyRobot : public testing::Test {
     EXPECT_EQ(after_bad, 0) << "a torque without a reading";
   }
 
-  /// The server ends by itself, in a line that says so, and tells its leader: on a slow machine no answer of the robot
-  /// that refuses goes out before.
+  /// The server ends by itself, in a line that says so, and tells its leader why.
   void expect_end(const std::string& why, int exit_code = 1) {
     go_wrong();
     EXPECT_EQ(server->wait(), exit_code) << server->err();
     EXPECT_THAT(server->err(), HasSubstr(why));
     EXPECT_TRUE(leader->wait_for("the server ended the session")) << leader->err();
+    EXPECT_TRUE(has_in_order(leader->err(),
+                             {"the robot refuses: the server's log has the reason", "the server ended the session"}));
     EXPECT_EQ(leader->stop(), leader->expected_end()) << leader->err();
     EXPECT_GE(leader->summary()["passivity"]["minimum_J"], kPassiveLeast_J);
   }

@@ -164,11 +164,24 @@ class Service {
  private:
   bool over() {
     if (interrupts != 0 || terminations > 1) return true;
-    if (beside_.robot != nullptr && beside_.robot->is_lost()) return true;
+    if (beside_.robot != nullptr && beside_.robot->is_lost()) return leader_told();
     if (terminations == 0 && (beside_.fleet == nullptr || !beside_.fleet->over())) return false;
     if (options_.drain == Nanoseconds{0} || server_.sessions() == 0) return true;
     if (!drained_by_) begin_to_drain();
     return clock_.now() >= *drained_by_;
+  }
+
+  /// Whether the leader of a robot that is lost knows why its session ends: answers say so from then on. Several, as
+  /// the network may lose some; a leader that is silent is not waited for.
+  bool leader_told() {
+    constexpr std::uint64_t kAnswers = 10;
+    constexpr Nanoseconds kPatience = std::chrono::milliseconds{500};
+    const std::uint64_t answers = server_.counters().forces_sent;
+    if (!told_by_) {
+      told_by_ = clock_.now() + kPatience;
+      told_with_ = answers + kAnswers;
+    }
+    return server_.sessions() == 0 || answers >= told_with_ || clock_.now() >= *told_by_;
   }
 
   void begin_to_drain() {
@@ -206,6 +219,8 @@ class Service {
   ServiceManager& manager_;
   Nanoseconds next_report_;
   std::optional<Nanoseconds> drained_by_{};
+  std::optional<Nanoseconds> told_by_{};
+  std::uint64_t told_with_ = 0;  ///< so many answers to all clients
   bool reloading_ = false;
 };
 
