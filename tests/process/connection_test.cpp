@@ -31,14 +31,14 @@ Words and_also(Words words, const Words& more) {
 TEST(AClientWithoutAServer, GivesUpAndSaysWhyIfToldOnce) {
   const std::string closed_port = free_address();
   Client client(closed_port, {"--once"});
-  EXPECT_EQ(client.wait(60s), 1);
+  EXPECT_EQ(client.wait(60s), 5);
   EXPECT_THAT(client.err(), HasSubstr("gave up: no answer from " + closed_port + ": port unreachable (ICMP)\n"));
   EXPECT_EQ(occurrences(client.err(), "error"), 1U);
 }
 
-TEST(AClientWithoutAServer, CountsAsFailedOnceItsTimeIsOverIfToldOnce) {
+TEST(AClientWithoutAServer, NeverConnectedOnceItsTimeIsOverIfToldOnce) {
   Client client(free_address(), {"--once", "--duration", "1"});
-  EXPECT_EQ(client.wait(60s), 1);
+  EXPECT_EQ(client.wait(60s), 5);
   EXPECT_THAT(client.err(), HasSubstr("gave up: no answer from"));
 }
 
@@ -70,7 +70,7 @@ TEST(AClient, FindsTheServerThatComesLater) {
 TEST(AServer, RefusesAnUnknownSceneNamingThoseItHas) {
   Server server;
   Client once(server.address(), {"--scene", "spere", "--once"});
-  EXPECT_EQ(once.wait(20s), 1);
+  EXPECT_EQ(once.wait(20s), 5);
   EXPECT_THAT(once.err(), AllOf(HasSubstr("refused by the server: no scene 'spere', did you mean 'sphere'? (known: " +
                                           text::join(test::scene_files()) + ")"),
                                 HasSubstr("gave up: " + server.address() + " refused")));
@@ -82,7 +82,7 @@ TEST(AServer, RefusesAnUnknownSceneNamingThoseItHas) {
 TEST(AServer, RefusesWrongDegreesOfFreedomNamingThoseOfTheScene) {
   Server server({"--scene", "sphere"});
   Client client(server.address(), {"--device", "wall-1dof", "--once"});
-  EXPECT_EQ(client.wait(20s), 1);
+  EXPECT_EQ(client.wait(20s), 5);
   EXPECT_THAT(client.err(),
               HasSubstr("scene 'sphere' accepts devices with 3 or 6 degrees of freedom, device 'wall-1dof' has 1"));
 }
@@ -129,7 +129,7 @@ TEST(ARelayWithoutAServer, SaysSoInItsTotals) {
   const std::string closed_port = free_address();
   Relay relay(closed_port, {});
   Client client(relay.address(), {"--once", "--duration", "1"});
-  EXPECT_EQ(client.wait(10s), 1);
+  EXPECT_EQ(client.wait(10s), 5);
   EXPECT_THAT(client.err(), HasSubstr("gave up: no answer from " + relay.address() + "\n"));
   EXPECT_EQ(relay.stop(), 0);
   EXPECT_THAT(relay.out(), HasSubstr("datagrams refused by " + closed_port + ": port unreachable (ICMP)"));

@@ -17,11 +17,11 @@ class App;
 namespace forcebound::program {
 
 /// Exit codes. Wrong use: an option is unknown, lacks its value, has one that can never be right, or does not go with
-/// another. Failed: the command line is right, but a file, host or device cannot be used, or a run gave up since it
-/// found no session. Not passive: the run ended, and its summary says NOT PASSIVE. Output lost: it ended well, but of
-/// what it was to write (a recording, a summary, a log) something is missing. Never connected: it ended when it was to,
-/// and had no session until then. The first of not passive, failed, output lost and never connected that holds is
-/// returned. Driver crashed: of a device or a robot; it was stopped, and nothing of what comes at the end was written.
+/// another. Failed: the command line is right, but a file, host or device cannot be used, or a run lost its session and
+/// was refused another. Not passive: the run ended, and its summary says NOT PASSIVE. Output lost: it ended well, but
+/// of what it was to write (a recording, a summary, a log) something is missing. Never connected: it had no session,
+/// whatever ended it. The first of not passive, failed, output lost and never connected that holds is returned.
+/// Driver crashed: of a device or a robot; it was stopped, and nothing of what comes at the end was written.
 inline constexpr int kDone = 0;
 inline constexpr int kFailed = 1;
 inline constexpr int kWrongUse = 2;
@@ -30,7 +30,7 @@ inline constexpr int kOutputLost = 4;
 inline constexpr int kNeverConnected = 5;
 inline constexpr int kDriverCrashed = 6;
 
-/// The last line of every program's --help.
+/// The last line of --help, of a program that ends with all of them; see exit_codes.hpp for others.
 inline constexpr std::string_view kExitCodes =
     "Exit code: 0 done, 1 failed, 2 wrong use, 3 NOT PASSIVE, 4 output lost, 5 never connected, 6 driver crashed.";
 

@@ -42,9 +42,10 @@ std::string_view encryption_in_words(const Client::Settings& settings) {
 
 int exit_code_of(const Client& client, bool summary_written) {
   if (client.summary().not_passive()) return program::kNotPassive;
-  if (!client.why_no_session().empty()) return program::kFailed;
+  const bool connected = client.summary().connected();
+  if (connected && !client.why_no_session().empty()) return program::kFailed;
   if (!summary_written || !client.recording_complete()) return program::kOutputLost;
-  return client.summary().connected() ? program::kDone : program::kNeverConnected;
+  return connected ? program::kDone : program::kNeverConnected;
 }
 
 int end_without_summary(const device::HapticDevice& device, std::string_view crash, bool device_stopped,
