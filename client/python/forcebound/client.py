@@ -40,7 +40,7 @@ class Client:
     law          name or class of `laws`; `memory` and `law_parameters` as in `simulation`
     rendering    "local": what can be, at the client; "remote": forces are computed at the server
     duration_s   until it ends by itself; 0: when stopped
-    once         gives up if the server refuses, or does not answer for 5 s
+    once         gives up if the server does not answer for 5 s, or refuses another session
     ticks_kept   most ticks kept for `ticks`; None: all of duration_s up to ten minutes, or one minute without one
     recording    MCAP file for every tick and force
     key, server_key, known_servers, shared_key, trust_new, insecure    as forcebound-client's options --key,

@@ -207,6 +207,8 @@ std::unique_ptr<LiveTrack> TrackMaker::make(const PageChoice& choice, bool besid
   settings.scene = choice.scene;
   settings.hand = request.hand;
   settings.beside = beside;
+  // What is refused can be chosen anew.
+  settings.asks_again = true;
   settings.view = track->view.get();
   // The program ends the run.
   settings.duration_s = 0;

@@ -174,7 +174,7 @@ const CLI::Option* describe(CLI::App& app, Options& options, Typed& typed, const
       ->needs("--page")
       ->type_name("HOST:PORT");
   app.add_flag("--once", options.client.once,
-               "end if the server refuses or does not answer for 5 s, instead of retrying");
+               "end if the server does not answer for 5 s, or refuses a further session, instead of retrying");
   app.add_flag("--quiet", options.quiet, "no live line");
   program::add_log_option(app);
   program::add_option_file(app);

@@ -222,6 +222,7 @@ void Client::run(const std::atomic<bool>& stop, const Housekeeping& housekeeping
   TickLoop loop({.period = p.info.period,
                  .duration_s = p.settings.duration_s,
                  .once = p.settings.once,
+                 .asks_again = p.settings.asks_again,
                  .watchdog = watchdog ? &*watchdog : nullptr,
                  .way = &p.link},
                 *p.session, p.clock, p.grant, stop);

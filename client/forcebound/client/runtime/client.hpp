@@ -49,7 +49,8 @@ class Client {
     SendRate send_rate{};              ///< of motions; on each tick unless said
     std::uint64_t seed = 1;            ///< of the handshake's nonces: must differ between runs
     double duration_s = 0;             ///< 0: until stopped
-    bool once = false;                 ///< give up if the server refuses, or does not answer for 5 s
+    bool once = false;                 ///< give up if the server does not answer for 5 s, or refuses another session
+    bool asks_again = false;           ///< do not give up if the server refuses the first session
     std::string recording{};           ///< MCAP file for every tick and force; empty: none
     /// Runs beside another client of this process: it is that one's device that a failed assertion stops. For simulated
     /// devices alone.

@@ -43,8 +43,10 @@ void TickLoop::run() {
 
 bool TickLoop::over(Nanoseconds elapsed) noexcept {
   const bool ended = settings_.duration_s > 0 && time::to_seconds(elapsed) >= settings_.duration_s;
-  const bool unanswered = session_.state() == SessionState::connecting && (ended || elapsed > kOncePatience);
-  outcome_.gave_up = settings_.once && (session_.refused() || unanswered);
+  const bool no_session_yet = session_.state() == SessionState::connecting;
+  const bool unanswered = settings_.once && no_session_yet && (ended || elapsed > kOncePatience);
+  const bool refused = session_.refused() && (settings_.once || (no_session_yet && !settings_.asks_again));
+  outcome_.gave_up = refused || unanswered;
   return outcome_.gave_up || ended;
 }
 

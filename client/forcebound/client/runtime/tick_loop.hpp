@@ -39,7 +39,8 @@ class TickLoop {
   struct Settings {
     Nanoseconds period;
     double duration_s = 0;         ///< 0: until stopped
-    bool once = false;             ///< give up if the server refuses, or does not answer for 5 s
+    bool once = false;             ///< as Client::Settings
+    bool asks_again = false;       ///< likewise
     Watchdog* watchdog = nullptr;  ///< is told of each tick; may be null
     net::PeerLink* way = nullptr;  ///< is told as long as there is a session; may be null
   };
