@@ -39,6 +39,18 @@ TEST(EveryProgram, PrintsItsHelp) {
   }
 }
 
+TEST(EveryProgram, TellsOfNoExitCodeThatItNeverEndsWith) {
+  for (const Program& program : kPrograms) {
+    SCOPED_TRACE(program.name);
+    const std::string name = program.name;
+    const std::string help = unwrapped(run(program.path, {"--help"}).out);
+    const auto tells = [&](const char* code) { return help.find(code, help.find("Exit code: ")) != std::string::npos; };
+    EXPECT_EQ(tells("3 NOT PASSIVE"), name == "forcebound-client");
+    EXPECT_EQ(tells("5 never connected"), name == "forcebound-client");
+    EXPECT_EQ(tells("6 driver crashed"), name != "forcebound-relay" && name != "forcebound-lab");
+  }
+}
+
 TEST(EveryProgram, TellsItsVersion) {
   for (const Program& program : kPrograms) {
     const Ran ran = run(program.path, {"--version"});

@@ -1,6 +1,7 @@
 #include <CLI/CLI.hpp>
 
 #include "forcebound/program/command_line.hpp"
+#include "forcebound/program/exit_codes.hpp"
 #include "tests/tools/lab/commands.hpp"
 #include "tests/tools/lab/trials/trials.hpp"
 
@@ -54,7 +55,8 @@ int run(int argc, const char* const* argv) {
       "  forcebound-lab load --server 127.0.0.1:47800 --clients 20\n"
       "      20 clients at 1 kHz, over real sockets\n"
       "\n" +
-      std::string(forcebound::program::kExitCodes));
+      forcebound::program::exit_codes_without({forcebound::program::kNotPassive, forcebound::program::kNeverConnected,
+                                               forcebound::program::kDriverCrashed}));
   forcebound::program::parse(app, argc, argv);
   if (app.get_subcommands().empty()) throw std::invalid_argument("a command is required");
   return forcebound::program::kDone;

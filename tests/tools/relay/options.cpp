@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "forcebound/program/command_line.hpp"
+#include "forcebound/program/exit_codes.hpp"
 #include "tests/tools/relay/blackhole.hpp"
 
 namespace forcebound::relay {
@@ -90,7 +91,7 @@ void declare(CLI::App& app, Options& options, Texts& texts) {
       ->check(program::not_empty())
       ->type_name("FILE.csv");
   app.footer("WORDS:\n" + std::string(netem::netem_help()) + "\n" + std::string(kMore) +
-             std::string(program::kExitCodes));
+             program::exit_codes_without({program::kNotPassive, program::kNeverConnected, program::kDriverCrashed}));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "forcebound/client/commands/commands.hpp"
 #include "forcebound/client/commands/programs.hpp"
 #include "forcebound/program/command_line.hpp"
+#include "forcebound/program/exit_codes.hpp"
 
 namespace {
 
@@ -53,7 +54,8 @@ int run(int argc, char** argv) {
       "  forcebound keygen server.key\n"
       "      a new key of a server, or of a client\n"
       "\n" +
-      std::string(forcebound::program::kExitCodes));
+      forcebound::program::exit_codes_without(
+          {forcebound::program::kNotPassive, forcebound::program::kNeverConnected}));
   forcebound::program::parse(app, argc, argv);
   if (app.get_subcommands().empty()) throw std::invalid_argument("a command is required");
   return forcebound::program::kDone;

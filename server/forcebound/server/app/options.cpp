@@ -7,6 +7,7 @@
 
 #include "forcebound/http/client.hpp"
 #include "forcebound/program/command_line.hpp"
+#include "forcebound/program/exit_codes.hpp"
 #include "forcebound/program/log.hpp"
 #include "forcebound/program/option_file.hpp"
 #include "forcebound/server/environment/scene_library.hpp"
@@ -60,7 +61,7 @@ std::string footer() {
          "--clients again: who is not named any more is heard no more, and what else changed holds for who comes next. "
          "As a service of systemd it "
          "takes a socket from there, and tells it when it is ready, that it runs, and when it ends. " +
-         fleet_help() + std::string(program::kExitCodes);
+         fleet_help() + program::exit_codes_without({program::kNotPassive, program::kNeverConnected});
 }
 
 /// As a user writes it.
