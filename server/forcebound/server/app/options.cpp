@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <stdexcept>
 
 #include "forcebound/http/client.hpp"
 #include "forcebound/program/command_line.hpp"
@@ -82,15 +83,14 @@ void add_scene(CLI::App& app, ProgramOptions& options, Typed& typed) {
                                  ->type_name("NAME|FILE.toml")
                                  ->capture_default_str();
   add_follower_options(app, options.follower, options.server.laws);
-  CLI::Option* const follower = app.get_option("--follower")->excludes(scene);
+  app.get_option("--follower")->excludes(scene);
   app.add_option("--scene-files", options.scene_files,
                  "folder in which files that the scene names may lie, besides the scene's own; may be repeated")
       ->type_name("FOLDER")
       ->allow_extra_args(false)
       ->check(program::not_empty());
   CLI::Option* const explain =
-      app.add_flag("--explain", options.explain, "print what the scene simulates and what not, and end")
-          ->excludes(follower);
+      app.add_flag("--explain", options.explain, "print what the scene simulates and what not, and end");
   app.add_flag("--calibrate", options.calibrate, "with --explain: also measure what it costs on this machine, now")
       ->needs("--explain");
   app.add_option("--device-damping", options.device.damping_N_s_per_m,
@@ -105,8 +105,7 @@ void add_scene(CLI::App& app, ProgramOptions& options, Typed& typed) {
       ->needs("--explain");
   CLI::Option* const suggest =
       app.add_flag("--suggest", options.suggest, "print suggested --device and --operator for a client, and end")
-          ->excludes(explain)
-          ->excludes(follower);
+          ->excludes(explain);
   CLI::Option* const schema =
       app.add_flag("--schema", options.schema, "print every key of a scene file, as Markdown, and end")
           ->excludes(explain)
@@ -202,6 +201,15 @@ void describe(CLI::App& app, ProgramOptions& options, Typed& typed) {
   program::add_option_file(app);
 }
 
+/// @throws std::invalid_argument for an option about a scene where there is a robot instead
+void expect_scene(const ProgramOptions& options) {
+  if (!options.follower.any() || !(options.explain || options.suggest)) return;
+  throw std::invalid_argument(options.explain ? "--explain tells of a scene's effects, and --follower has none: --help "
+                                                "tells what robots and tasks are"
+                                              : "--suggest tries a hand on a scene's shapes, and --follower has none: "
+                                                "any device with three axes can lead the robot");
+}
+
 }  // namespace
 
 ProgramOptions parse_command_line(int argc, const char* const* argv) {
@@ -213,6 +221,7 @@ ProgramOptions parse_command_line(int argc, const char* const* argv) {
   if (is_scene_file(options.scene)) {
     program::expect_apart({"--record", options.record}, {{"--scene", options.scene}});
   }
+  expect_scene(options);
   expect_task(options.follower);
   expect_bounds(options.keys);
   program::expect_apart(
