@@ -13,14 +13,11 @@ namespace forcebound::netem {
 namespace {
 
 using netem::parse_integer;
-using netem::parse_percent;
-using netem::parse_rate;
-using netem::parse_time;
 
 constexpr std::int64_t kSlotNumberMax = 0x7fffffff;
 constexpr std::int64_t kRateBytesMax = 10'000;  // more than any link layer adds; keeps sums of bits within 64 bits
 
-/// Takes the words one by one.
+/// Takes the words one by one, and keeps them as they were understood.
 class Words {
  public:
   explicit Words(std::string_view line) : words_(text::split_at_blanks(line)) {}
@@ -31,12 +28,24 @@ class Words {
 
   std::string_view take(std::string_view meaning) {
     if (empty()) throw std::invalid_argument("the line ends where " + std::string(meaning) + " is expected");
+    understood_.append(understood_.empty() ? "" : " ").append(words_[next_]);
     return words_[next_++];
   }
+
+  [[nodiscard]] std::string_view last() const { return words_.at(next_ - 1); }
+
+  /// Of the number that was taken last: what it means without a unit.
+  void complete(std::string_view unit) {
+    const char last = understood_.back();
+    if ((last >= '0' && last <= '9') || last == '.') understood_.append(unit);
+  }
+
+  [[nodiscard]] const std::string& understood() const { return understood_; }
 
  private:
   std::vector<std::string_view> words_;
   std::size_t next_ = 0;
+  std::string understood_;
 };
 
 class Grammar {
@@ -48,6 +57,8 @@ class Grammar {
     check_together();
     return result_;
   }
+
+  [[nodiscard]] const std::string& understood() const { return words_.understood(); }
 
  private:
   struct Keyword {
@@ -78,21 +89,32 @@ class Grammar {
     (this->*keyword->read)();
   }
 
+  Nanoseconds time(std::string_view expected, std::string_view meaning) {
+    const Nanoseconds value = parse_time(words_.take(expected), meaning);
+    words_.complete("us");
+    return value;
+  }
+
+  Share percent(std::string_view expected, std::string_view meaning) {
+    const Share value = parse_percent(words_.take(expected), meaning);
+    words_.complete("%");
+    return value;
+  }
+
   Chance chance(std::string_view what) {
-    Chance result{
-        parse_percent(words_.take("a percentage for " + std::string(what)), std::string(what) + " percentage"), 0};
+    Chance result{percent("a percentage for " + std::string(what), std::string(what) + " percentage"), 0};
     result.correlation = optional_percent(std::string(what) + " correlation", 0);
     return result;
   }
 
   Share optional_percent(const std::string& meaning, Share otherwise) {
-    return words_.next_is_number() ? parse_percent(words_.take(meaning), meaning) : otherwise;
+    return words_.next_is_number() ? percent(meaning, meaning) : otherwise;
   }
 
   void delay() {
-    result_.delay.mean = parse_time(words_.take("a time for delay"), "delay time");
+    result_.delay.mean = time("a time for delay", "delay time");
     if (!words_.next_is_number()) return;
-    result_.delay.jitter = parse_time(words_.take("jitter"), "delay jitter");
+    result_.delay.jitter = time("jitter", "delay jitter");
     result_.delay.correlation = optional_percent("delay correlation", 0);
   }
 
@@ -124,7 +146,7 @@ class Grammar {
   void gemodel() {
     words_.take("gemodel");
     GilbertElliottLoss model;
-    model.good_to_bad = parse_percent(words_.take("P of loss gemodel"), "P of loss gemodel");
+    model.good_to_bad = percent("P of loss gemodel", "P of loss gemodel");
     model.bad_to_good = optional_percent("R of loss gemodel", kCertain - model.good_to_bad);
     model.bad_loss = optional_percent("1-H of loss gemodel", kCertain);
     model.good_loss = optional_percent("1-K of loss gemodel", 0);
@@ -134,7 +156,7 @@ class Grammar {
   void state() {
     words_.take("state");
     FourStateLoss model;
-    model.p13 = parse_percent(words_.take("P13 of loss state"), "P13 of loss state");
+    model.p13 = percent("P13 of loss state", "P13 of loss state");
     model.p31 = optional_percent("P31 of loss state", kCertain - model.p13);
     model.p32 = optional_percent("P32 of loss state", 0);
     model.p23 = optional_percent("P23 of loss state", kCertain);
@@ -153,6 +175,7 @@ class Grammar {
   void rate() {
     Rate& rate = result_.rate;
     rate.bits_per_second = parse_rate(words_.take("a rate"), "rate");
+    words_.complete("bit");
     if (words_.next_is_number())
       rate.packet_overhead_bytes = static_cast<std::int32_t>(
           parse_integer(words_.take("overhead"), "packet overhead of rate", -kRateBytesMax, kRateBytesMax));
@@ -171,13 +194,12 @@ class Grammar {
 
   void slot() {
     Slot& slot = result_.slot;
-    slot.shortest = parse_time(words_.take("a time for slot"), "shortest slot");
+    slot.shortest = time("a time for slot", "shortest slot");
     slot.longest = slot.shortest;
     if (words_.next_is_number()) {
-      const std::string_view text = words_.take("longest slot");
-      slot.longest = parse_time(text, "longest slot");
+      slot.longest = time("longest slot", "longest slot");
       if (slot.longest < slot.shortest)
-        throw std::invalid_argument("'" + std::string(text) +
+        throw std::invalid_argument("'" + std::string(words_.last()) +
                                     "' is shorter than the shortest slot: expected at least " +
                                     std::to_string(slot.shortest.count()) + "ns");
     }
@@ -209,18 +231,24 @@ class Grammar {
   NetemParameters result_;
 };
 
-double percent(Share share) { return 100.0 * share / kCertain; }
+double percent_of(Share share) { return 100.0 * share / kCertain; }
 
 }  // namespace
 
 NetemParameters parse_netem(std::string_view words) { return Grammar(words).read(); }
 
+std::string with_units(std::string_view words) {
+  Grammar grammar(words);
+  (void)grammar.read();
+  return grammar.understood();
+}
+
 std::vector<std::string> netem_warnings(const NetemParameters& parameters) {
   const auto* random_loss = std::get_if<RandomLoss>(&parameters.loss);
   if (random_loss == nullptr || random_loss->chance.probability == 0 || random_loss->chance.correlation == 0) return {};
-  return {"loss " + text::rounded(percent(random_loss->chance.probability), 6) + "% with correlation " +
-          text::rounded(percent(random_loss->chance.correlation), 6) + "% really loses about " +
-          text::rounded(percent(measured_loss(parameters.loss)), 2) +
+  return {"loss " + text::rounded(percent_of(random_loss->chance.probability), 6) + "% with correlation " +
+          text::rounded(percent_of(random_loss->chance.correlation), 6) + "% really loses about " +
+          text::rounded(percent_of(measured_loss(parameters.loss)), 2) +
           "%, since correlating the draws pulls them to the middle; for loss in bursts use 'loss gemodel'"};
 }
 

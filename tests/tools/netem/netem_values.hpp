@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <string>
 #include <string_view>
 
 #include "forcebound/time/clock.hpp"
@@ -23,6 +24,10 @@ std::uint64_t parse_rate(std::string_view text, std::string_view meaning);
 /// Whole numbers between the two bounds.
 std::int64_t parse_integer(std::string_view text, std::string_view meaning, std::int64_t lowest,
                            std::int64_t highest = std::numeric_limits<std::uint32_t>::max());
+
+/// The words that parse_netem reads, with the units that it took them for: "delay 50us 10us" for "delay 50 10".
+/// @throws std::invalid_argument as parse_netem
+std::string with_units(std::string_view words);
 
 /// Whether an optional number follows: netem decides by the first character.
 bool looks_like_number(std::string_view text) noexcept;

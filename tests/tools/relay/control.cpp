@@ -6,6 +6,7 @@
 #include "forcebound/text/lines.hpp"
 #include "forcebound/text/printable.hpp"
 #include "tests/tools/netem/netem_parameters.hpp"
+#include "tests/tools/netem/netem_values.hpp"
 
 namespace forcebound::relay {
 namespace {
@@ -28,6 +29,7 @@ Control::Answer Control::answer(std::string_view line, Nanoseconds now) {
   }
   try {
     const netem::NetemParameters netem = netem::parse_netem(words);
+    words = netem::with_units(words);
     if (up) relay_.change(Direction::up, netem, now);
     if (down) relay_.change(Direction::down, netem, now);
   } catch (const std::invalid_argument& error) {

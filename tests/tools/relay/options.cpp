@@ -5,6 +5,7 @@
 
 #include "forcebound/program/command_line.hpp"
 #include "forcebound/program/exit_codes.hpp"
+#include "tests/tools/netem/netem_values.hpp"
 #include "tests/tools/relay/blackhole.hpp"
 
 namespace forcebound::relay {
@@ -120,8 +121,8 @@ Options read_command_line(int argc, const char* const* argv, std::uint64_t rando
   options.up = own_up ? program::value_of("--netem-up", [&] { return netem::parse_netem(texts.netem_up); }) : both;
   options.down =
       own_down ? program::value_of("--netem-down", [&] { return netem::parse_netem(texts.netem_down); }) : both;
-  options.up_words = own_up ? texts.netem_up : texts.netem;
-  options.down_words = own_down ? texts.netem_down : texts.netem;
+  options.up_words = netem::with_units(own_up ? texts.netem_up : texts.netem);
+  options.down_words = netem::with_units(own_down ? texts.netem_down : texts.netem);
   return options;
 }
 

@@ -3,6 +3,7 @@
 #include <stdexcept>
 
 #include "tests/tools/netem/netem_parameters.hpp"
+#include "tests/tools/netem/netem_values.hpp"
 
 namespace forcebound::netem {
 namespace {
@@ -35,6 +36,15 @@ TEST(NetemGrammar, TimeWithoutUnitIsMicroseconds) {
   EXPECT_EQ(parse_netem("delay 50").delay.mean, 50us);
   EXPECT_EQ(parse_netem("delay 50 10").delay.jitter, 10us);
   EXPECT_EQ(parse_netem("slot 800").slot.shortest, 800us);
+}
+
+TEST(NetemGrammar, SaysTheUnitsOfNumbersWithoutOne) {
+  EXPECT_EQ(with_units("delay 50 10  25 loss gemodel 1 10 reorder 5 gap 3"),
+            "delay 50us 10us 25% loss gemodel 1% 10% reorder 5% gap 3");
+  EXPECT_EQ(with_units("rate 8000 14 slot 800 1e3 packets 2 limit 7"),
+            "rate 8000bit 14 slot 800us 1e3us packets 2 limit 7");
+  EXPECT_EQ(with_units("delay 50ms 1.5S 5% distribution normal"), "delay 50ms 1.5S 5% distribution normal");
+  EXPECT_EQ(with_units(""), "");
 }
 
 TEST(NetemGrammar, ReadsEveryUnitOfTime) {

@@ -42,8 +42,8 @@ TEST_F(RelayControl, ChangesWhatComesFromNowOnAndLeavesWhatWaits) {
 
 TEST_F(RelayControl, TakesEachDirectionAloneOrBoth) {
   EXPECT_EQ(control_.answer("down loss 5%", 0ms).text, "up: delay 10ms; down: loss 5%");
-  EXPECT_EQ(control_.answer("both delay 1ms", 0ms).text, "up: delay 1ms; down: delay 1ms");
-  EXPECT_EQ(control_.answer("up\n", 0ms).text, "up: perfect; down: delay 1ms");
+  EXPECT_EQ(control_.answer("both delay 1000", 0ms).text, "up: delay 1000us; down: delay 1000us");
+  EXPECT_EQ(control_.answer("up\n", 0ms).text, "up: perfect; down: delay 1000us");
   client_sends(0ms);
   EXPECT_EQ(arrived(), 1U);
 }

@@ -59,8 +59,14 @@ TEST(RelayOptions, NetemIsForBothDirectionsUnlessOneHasItsOwn) {
   const Options own = read(command_line({"--netem", "loss 5%", "--netem-up", "delay 1ms"}));
   EXPECT_EQ(own.up, netem::parse_netem("delay 1ms"));
   EXPECT_EQ(own.down, netem::parse_netem("loss 5%"));
+  EXPECT_EQ(own.up_words, "delay 1ms");
+  EXPECT_EQ(own.down_words, "loss 5%");
   const Options perfect = read(command_line({"--netem", "loss 5%", "--netem-down", ""}));
   EXPECT_EQ(perfect.down, netem::NetemParameters{});
+}
+
+TEST(RelayOptions, WordsToPrintHaveUnits) {
+  EXPECT_EQ(read(command_line({"--netem", "delay 50 10"})).up_words, "delay 50us 10us");
 }
 
 TEST(RelayOptions, BlackholesAreOfTheWaysTheyName) {
