@@ -7,25 +7,13 @@
 #include <stdexcept>
 #include <utility>
 
+#include "forcebound/record/internal/mcap_chunk.hpp"
 #include "forcebound/record/internal/mcap_fields.hpp"
 #include "forcebound/record/internal/mcap_index.hpp"
-#include "forcebound/record/internal/zstd.hpp"
 #include "forcebound/text/terminal.hpp"
 
 namespace forcebound::record::mcap {
 namespace {
-
-constexpr std::string_view kZstd = "zstd";
-constexpr std::string_view kLz4 = "lz4";
-
-/// A chunk's content apart from its records.
-struct ChunkHead {
-  std::uint64_t start = 0;  ///< byte of the chunk's content
-  std::uint64_t size = 0;   ///< of the records, uncompressed
-  std::uint32_t crc = 0;
-  bool compressed = false;
-  std::uint64_t stored = 0;  ///< bytes of the records in the file
-};
 
 class Reader {
  public:
@@ -56,10 +44,9 @@ class Reader {
   void message(Fields fields, std::uint64_t offset);
   void metadata(Fields fields, std::uint64_t offset);
   void attachment(Fields fields);
-  ChunkHead chunk_head(Fields& fields);
   void chunk(Fields fields);
-  void cut_chunk(std::uint64_t offset, std::string_view content);
-  void records_of(std::string_view records, std::uint64_t offset, bool compressed, bool cut);
+  void cut_chunk(Fields fields);
+  void visit(const ChunkRecords& records, bool cut);
 
   [[noreturn]] void refuse(std::uint64_t byte, const std::string& what) const {
     throw std::runtime_error(file_ + ": byte " + std::to_string(byte) + ": " + what);
@@ -191,7 +178,7 @@ bool Reader::go_on(const Head& unreadable) {
   } else {
     ending_.kind = name_of(unreadable.opcode);
     ending_.declared = unreadable.length;
-    if (unreadable.opcode == Opcode::chunk) attempt(offset, [&] { cut_chunk(offset, rest); });
+    if (unreadable.opcode == Opcode::chunk) attempt(offset, [&] { cut_chunk({offset, rest}); });
   }
   return false;
 }
@@ -308,77 +295,28 @@ void Reader::attachment(Fields fields) {
   if (visitor_.attachment) visitor_.attachment(attachment);
 }
 
-ChunkHead Reader::chunk_head(Fields& fields) {
-  ChunkHead head{.start = fields.offset()};
-  fields.number<std::uint64_t>();  // earliest and latest log time
-  fields.number<std::uint64_t>();
-  head.size = fields.number<std::uint64_t>();
-  head.crc = fields.number<std::uint32_t>();
-  const std::string_view compression = fields.text();
-  head.compressed = !compression.empty();
-  if (compression == kLz4) {
-    refuse(head.start,
-           "a chunk compressed with 'lz4'; accepted are zstd and none ('mcap compress --compression zstd' makes them)");
-  }
-  if (head.compressed && compression != kZstd) throw Damage(head.start, "a chunk with an unknown compression");
-  if (head.compressed && head.size > kChunkBytesMost) {
-    throw Damage(head.start, "a compressed chunk that would hold " + std::to_string(head.size) +
-                                 " bytes; accepted are at most " + std::to_string(kChunkBytesMost));
-  }
-  head.stored = fields.number<std::uint64_t>();
-  return head;
-}
-
 void Reader::chunk(Fields fields) {
-  const ChunkHead head = chunk_head(fields);
-  const std::uint64_t offset = fields.offset();
-  std::string_view records = fields.take(head.stored);
-  Decompressed decompressed;
-  if (head.compressed) {
-    decompressed = decompress(records, head.size);
-    const std::uint64_t got = decompressed.bytes.size();
-    if (!decompressed.problem.empty()) {
-      throw Damage(head.start, "the compressed chunk is damaged: " + decompressed.problem);
-    }
-    if (got != head.size) {
-      throw Damage(head.start, "a compressed chunk that holds " + std::to_string(got) + " bytes, where it says " +
-                                   std::to_string(head.size));
-    }
-    records = decompressed.bytes;
-  }
-  expect_crc(head.crc, records, head.start, "chunk");
-  ending_.stored += head.stored;
-  ending_.uncompressed += records.size();
-  records_of(records, head.compressed ? head.start : offset, head.compressed, false);
+  const ChunkRecords records = records_in(fields, file_);
+  ending_.stored += records.stored.size();
+  ending_.uncompressed += records.bytes().size();
+  visit(records, false);
 }
 
 /// Visits what is whole at the beginning of a chunk that the file's end cuts off.
-void Reader::cut_chunk(std::uint64_t offset, std::string_view content) {
-  constexpr std::size_t kFixed = 8 + 8 + 8 + 4 + 4 + 8;  // with an empty name of the compression
-  if (content.size() < kFixed + kZstd.size()) return;
-  Fields fields(offset, content);
-  const ChunkHead head = chunk_head(fields);
+void Reader::cut_chunk(Fields fields) {
   const std::uint64_t messages_before = ending_.messages;
-  if (!head.compressed) {
-    // Zeros after a loss of power may begin within a record, which is cut off there.
-    const std::string_view rest = fields.rest();
-    records_of(rest.substr(0, rest.find_last_not_of('\0') + 1), fields.offset(), false, true);
-  } else {
-    const Decompressed decompressed = decompress(fields.rest(), head.size);
-    records_of(decompressed.bytes, head.start, true, true);
-  }
+  visit(records_in_cut(fields, file_), true);
   ending_.rescued = ending_.messages - messages_before;
 }
 
-/// @param offset of the records, or where they are compressed that of their chunk
 /// @param cut the last record may be cut off; else that is damage
-void Reader::records_of(std::string_view records, std::uint64_t offset, bool compressed, bool cut) {
-  Fields inner(offset, records);
+void Reader::visit(const ChunkRecords& records, bool cut) {
+  Fields inner(records.offset, records.bytes());
   while (!inner.rest().empty()) {
     if (cut && inner.rest().size() < kRecordHeaderBytes) return;
     const Opcode opcode{inner.number<std::uint8_t>()};
     const auto size = inner.number<std::uint64_t>();
-    const std::uint64_t at = compressed ? offset : inner.offset();
+    const std::uint64_t at = records.compressed ? records.offset : inner.offset();
     if (cut && size > inner.rest().size()) return;
     const std::string_view content = inner.take(size);
     if (opcode == Opcode::chunk) throw Damage(at, "a chunk within a chunk");
