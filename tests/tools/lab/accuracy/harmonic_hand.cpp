@@ -11,13 +11,6 @@
 namespace forcebound::lab {
 namespace {
 
-constexpr device::Hand kFirm = [] {
-  device::Hand hand = device::kRelaxedWrist;
-  hand.mass_kg = 0.1;
-  hand.stiffness_N_per_m = 1000;
-  hand.damping_N_s_per_m = 5;
-  return hand;
-}();
 constexpr double kApproach_s = 0.5;
 
 class HarmonicHand final : public device::Operator {
@@ -26,7 +19,7 @@ class HarmonicHand final : public device::Operator {
       : motion_(motion), degrees_of_freedom_(degrees_of_freedom) {}
 
   [[nodiscard]] std::string_view name() const noexcept override { return slides() ? "slide" : "press"; }
-  [[nodiscard]] const device::Hand& hand() const noexcept override { return kFirm; }
+  [[nodiscard]] const device::Hand& hand() const noexcept override { return kFollowingHand; }
   [[nodiscard]] int degrees_of_freedom() const noexcept override { return degrees_of_freedom_; }
 
   [[nodiscard]] Target target(double time_s) const noexcept override {
@@ -56,9 +49,9 @@ class HarmonicHand final : public device::Operator {
     using text::to_text;
     return std::string(name()) + ":frequency_Hz=" + to_text(motion_.frequency_Hz) +
            ",depth_m=" + to_text(motion_.depth_m) + ",clearance_m=" + to_text(motion_.clearance_m) +
-           (slides() ? ",length_m=" + to_text(motion_.length_m) : "") + ",mass_kg=" + to_text(kFirm.mass_kg) +
-           ",stiffness_N_per_m=" + to_text(kFirm.stiffness_N_per_m) +
-           ",damping_N_s_per_m=" + to_text(kFirm.damping_N_s_per_m);
+           (slides() ? ",length_m=" + to_text(motion_.length_m) : "") + ",mass_kg=" + to_text(kFollowingHand.mass_kg) +
+           ",stiffness_N_per_m=" + to_text(kFollowingHand.stiffness_N_per_m) +
+           ",damping_N_s_per_m=" + to_text(kFollowingHand.damping_N_s_per_m);
   }
 
  private:

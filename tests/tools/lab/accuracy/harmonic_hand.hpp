@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 
@@ -22,7 +23,16 @@ struct HarmonicMotion {
   Eigen::Vector3d out = Eigen::Vector3d::UnitZ();  ///< unit, along an axis: out of the surface
 };
 
-/// Stiff enough to follow the motion against soft objects: 0.1 kg, 1000 N/m, 5 N s/m.
+/// Stiff enough to follow a motion against soft objects; it turns a tip as a relaxed wrist does.
+inline constexpr device::Hand kFollowingHand = [] {
+  device::Hand hand = device::kRelaxedWrist;
+  hand.mass_kg = 0.1;
+  hand.stiffness_N_per_m = 1000;
+  hand.damping_N_s_per_m = 5;
+  return hand;
+}();
+
+/// By `kFollowingHand`.
 std::unique_ptr<const device::Operator> make_harmonic_hand(const HarmonicMotion& motion, int degrees_of_freedom);
 
 }  // namespace forcebound::lab

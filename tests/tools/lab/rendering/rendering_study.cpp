@@ -36,13 +36,14 @@ double bytes_sent(sim::ClosedLoop& loop) {
 }  // namespace
 
 std::vector<RenderingCondition> rendering_conditions() {
-  std::vector<RenderingCondition> conditions{delayed(20), delayed(100), delayed(200)};
+  std::vector<RenderingCondition> conditions{
+      {.name = "0 ms", .kind = "delays"}, delayed(20), delayed(100), delayed(200)};
   for (const NamedNetwork& network : standard_networks().networks) {
     if (network.settings.trace)
       conditions.push_back({.name = network.name, .kind = "recorded", .network = network.settings});
   }
-  for (const int seconds : {1, 3}) {
-    RenderingCondition dead = delayed(20);
+  for (const auto& [seconds, round_trip_ms] : {std::pair{1, 20}, {3, 100}}) {
+    RenderingCondition dead = delayed(round_trip_ms);
     dead.name = "blackout " + std::to_string(seconds) + " s";
     dead.kind = "blackouts";
     dead.faults.push_back({.kind = sim::ClosedLoop::Fault::Kind::blackout, .at = 2600ms, .length = seconds * 1s});
@@ -89,9 +90,11 @@ std::vector<RenderingRow> study_rendering(const RenderingStudySettings& settings
   std::vector<std::string> names;
   names.reserve(tasks.size());
   for (const RenderingTask& task : tasks) names.push_back("'" + task.name + "'");
-  std::erase_if(tasks, [&](const RenderingTask& task) { return task.name.find(settings.only) == std::string::npos; });
+  std::erase_if(tasks, [&](const RenderingTask& task) {
+    return task.name.find(settings.only) == std::string::npos && task.group.find(settings.only) == std::string::npos;
+  });
   if (tasks.empty())
-    throw std::invalid_argument("--only: no scene's name contains '" + settings.only + "': there are " +
+    throw std::invalid_argument("--only: no scene's name or class contains '" + settings.only + "': there are " +
                                 text::join(names));
   const std::vector<RenderingCondition> conditions = rendering_conditions();
   const auto runs = [&](const RenderingTask& task, const RenderingCondition& condition, bool local) {
@@ -103,15 +106,16 @@ std::vector<RenderingRow> study_rendering(const RenderingStudySettings& settings
   };
   std::vector<RenderingRow> rows;
   for (const RenderingTask& task : tasks) {
-    const std::vector<RenderingFigures> without_network = runs(task, {.name = "none", .kind = "none"}, false);
+    const std::vector<RenderingFigures> without_network = runs(task, conditions.front(), false);
     for (const RenderingCondition& condition : conditions) {
+      const bool no_delay = &condition == &conditions.front();
       rows.push_back({.task = task.name,
                       .group = task.group,
                       .goal = task.goal,
                       .condition = condition.name,
                       .kind = condition.kind,
                       .without_network = without_network,
-                      .remote = runs(task, condition, false),
+                      .remote = no_delay ? without_network : runs(task, condition, false),
                       .local = runs(task, condition, true)});
       progress(static_cast<double>(rows.size()) / static_cast<double>(tasks.size() * conditions.size()));
     }

@@ -21,8 +21,8 @@ struct RenderingCondition {
   std::vector<sim::ClosedLoop::Fault> faults{};
 };
 
-/// 20, 100 and 200 ms round trip with 10 % of jitter and 5 % of loss; the recorded networks that are at hand; blackouts
-/// of 1 and 3 s within 20 ms.
+/// First no delay, where remote rendering is as without a network; 20, 100 and 200 ms round trip with 10 % of jitter
+/// and 5 % of loss; the recorded networks that are at hand; blackouts of 1 s within 20 ms and of 3 s within 100 ms.
 [[nodiscard]] std::vector<RenderingCondition> rendering_conditions();
 
 /// One task through one condition: a run for each seed.
@@ -40,7 +40,7 @@ struct RenderingRow {
 struct RenderingStudySettings {
   std::string law = "fba-exact";
   std::uint64_t seeds = 3;
-  std::string only{};            ///< tasks whose name has it; empty: all
+  std::string only{};            ///< tasks whose name or group has it; empty: all
   client::SendRate send_rate{};  ///< of motions, where rendering is local
   time::Nanoseconds run = std::chrono::seconds{6};
 };

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
+#include <iterator>
 #include <numbers>
 #include <utility>
 
@@ -15,6 +15,7 @@
 #include "forcebound/server/environment/scene_parser.hpp"
 #include "forcebound/text/numbers.hpp"
 #include "tests/tools/lab/accuracy/harmonic_hand.hpp"
+#include "tests/tools/lab/rendering/body_tasks.hpp"
 #include "tests/tools/sim/firm_device.hpp"
 
 namespace forcebound::lab {
@@ -52,9 +53,14 @@ class LateHand final : public device::Operator {
   std::unique_ptr<const device::Operator> hand_;
 };
 
+constexpr int kAxes = 3;
+
 std::function<std::unique_ptr<const device::Operator>()> hand(const HarmonicMotion& motion) {
-  constexpr int kAxes = 3;
   return [motion] { return std::make_unique<LateHand>(make_harmonic_hand(motion, kAxes)); };
+}
+
+std::function<std::unique_ptr<const device::Operator>()> hand_at_once(const HarmonicMotion& motion) {
+  return [motion] { return make_harmonic_hand(motion, kAxes); };
 }
 
 HarmonicMotion press(const Point& on_surface_m) {
@@ -138,7 +144,8 @@ std::shared_ptr<const scene::Scene> bumps() {
 }
 
 /// Soft, 100 mm wide and 40 mm thick on a bed; its top is at z = 0.
-std::shared_ptr<const scene::Scene> soft_pad() {
+/// @param more of its keys
+std::shared_ptr<const scene::Scene> soft_pad(const std::string& more = "") {
   return server::parse_scene(R"(
 [scene]
 name = 'pad'
@@ -151,7 +158,7 @@ held = { through_m = [0, 0, -0.039], normal = [0, 0, 1] }
 young_Pa = 20000
 poisson = 0.4
 contact_stiffness_N_per_m = 2000
-)",
+)" + more,
                              "scene.toml");
 }
 
@@ -197,9 +204,7 @@ std::vector<RenderingTask> rendering_tasks() {
   const auto mesh = [](const std::shared_ptr<const scene::TriangleMesh>& triangles, double stiffness_N_per_m) {
     return scene_with({"mesh", {{"file", triangles->name()}}}, stiffness_N_per_m, {.mesh = triangles});
   };
-  const RenderingGoal of_tissue{.stiffness = 0.95, .error = std::numeric_limits<double>::infinity()};
-  const RenderingGoal of_a_body = of_tissue;
-  const RenderingGoal of_a_stop{.stiffness = 0.9, .error = of_tissue.error};
+  const RenderingGoal of_a_stop{.stiffness = 0.9, .error = kGoalOfWhatMoves.error};
   std::vector<RenderingTask> tasks;
   const auto add = [&](const std::string& group, const std::string& name, std::shared_ptr<const scene::Scene> scene,
                        const HarmonicMotion& motion, const RenderingGoal& goal = {}) {
@@ -234,14 +239,24 @@ std::vector<RenderingTask> rendering_tasks() {
     add("mesh of 70000", "mesh of 70,000, " + text::to_text(speed_m_per_s) + " m/s",
         mesh(finest, kFirmStiffness_N_per_m), slide(top, speed_m_per_s));
   }
+  tasks.push_back({"mesh of 181,920 at once",
+                   "mesh at once",
+                   {},
+                   mesh(bumpy_ball(240, 380), kFirmStiffness_N_per_m),
+                   firm,
+                   hand_at_once(slide(top))});
   // Beside a node of its surface, where nothing is special.
-  add("tissue", "pad, pressed at 3 Hz", soft_pad(), press(Point(0.004, 0.003, 0)), of_tissue);
-  add("tissue", "pad", soft_pad(), slide(Point(0.004, 0.003, 0)), of_tissue);
+  add("tissue", "pad, pressed at 3 Hz", soft_pad(), press(Point(0.004, 0.003, 0)), kGoalOfWhatMoves);
+  add("tissue", "pad", soft_pad(), slide(Point(0.004, 0.003, 0)), kGoalOfWhatMoves);
+  constexpr double kBall_m = 0.008;
+  add("tissue", "pad, ball at 0.06 m/s", soft_pad("probe_radius_m = " + text::to_text(kBall_m) + "\n"),
+      slide(Point(0.004, 0.003, kBall_m), 0.06), kGoalOfWhatMoves);
   if (server::has_bodies()) {
-    add("body by hand only", "free puck", dragged_puck(), press(origin), of_a_body);
+    add("body by hand only", "free puck", dragged_puck(), press(origin), kGoalOfWhatMoves);
     add("body against a stop", "puck against a stop",
         dragged_puck(R"(<geom type="box" pos="0 0 -0.07" size="0.2 0.2 0.05" solref="0.004 1"/>)"), press(origin),
         of_a_stop);
+    std::ranges::move(body_tasks(), std::back_inserter(tasks));
   }
   tasks.push_back(
       {"light device, plane",

@@ -9,6 +9,7 @@
 #include "forcebound/device/simulated/smooth_step.hpp"
 #include "forcebound/server/environment/scene_parser.hpp"
 #include "forcebound/text/numbers.hpp"
+#include "tests/tools/lab/accuracy/harmonic_hand.hpp"
 #include "tests/tools/lab/trials/task.hpp"
 #include "tests/tools/sim/firm_device.hpp"
 #include "tests/tools/sim/shared_loop.hpp"
@@ -29,7 +30,7 @@ class HandleHand final : public device::Operator {
   explicit HandleHand(const HandleMotion& motion) : motion_(motion) {}
 
   std::string_view name() const noexcept override { return "handle"; }
-  const device::Hand& hand() const noexcept override { return hand_; }
+  const device::Hand& hand() const noexcept override { return kFollowingHand; }
   int degrees_of_freedom() const noexcept override { return 3; }
   std::string description() const override { return "holds a handle and moves it along x"; }
 
@@ -47,7 +48,6 @@ class HandleHand final : public device::Operator {
   }
 
  private:
-  device::Hand hand_{.mass_kg = 0.1, .stiffness_N_per_m = 1000, .damping_N_s_per_m = 5};
   HandleMotion motion_;
 };
 

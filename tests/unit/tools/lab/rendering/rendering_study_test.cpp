@@ -18,7 +18,7 @@ TEST(RenderingStudy, RefusesAWordThatNoSceneHasAndNamesThoseThereAre) {
     (void)study_rendering({.only = "spere"}, [](double) {});
     FAIL() << "no error";
   } catch (const std::invalid_argument& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("--only: no scene's name contains 'spere': "));
+    EXPECT_THAT(error.what(), testing::HasSubstr("--only: no scene's name or class contains 'spere': "));
     EXPECT_THAT(error.what(), testing::HasSubstr("'edge of a box', 'corner of a box'"));
   }
 }
