@@ -34,6 +34,7 @@ constexpr const char* kRenderingPicture = "rendering.png";
 struct RenderingOptions {
   RenderingStudySettings settings;
   bool two_people = false;
+  bool side_by_side = false;
   std::vector<std::string> live;
   std::string from;
   std::string csv;
@@ -110,7 +111,8 @@ void run_rendering(const RenderingOptions& options) {
     return;
   }
   const Json study = options.from.empty() ? carried_out_rendering(options.settings) : read_rendering(options.from);
-  std::fputs(text::printable_lines(rendering_text(study)).c_str(), stdout);
+  const std::string told = options.side_by_side ? rendering_side_by_side(study) : rendering_text(study);
+  std::fputs(text::printable_lines(told).c_str(), stdout);
   if (!options.csv.empty()) text::write_file(options.csv, rendering_csv(study));
   if (!options.json.empty()) text::write_file(options.json, rendering_file(study));
   if (!options.readme.empty()) {
@@ -137,7 +139,8 @@ void add_rendering(CLI::App& app) {
       ->type_name("N")
       ->capture_default_str();
   CLI::Option* only =
-      command->add_option("--only", options->settings.only, "run only the scenes whose name contains this word")
+      command
+          ->add_option("--only", options->settings.only, "run only the scenes whose name or class contains this word")
           ->type_name("WORD");
   command
       ->add_option_function<std::string>(
@@ -150,18 +153,24 @@ void add_rendering(CLI::App& app) {
       command->add_option("--from", options->from, "print and draw what --json wrote, without any run")
           ->excludes(only)
           ->type_name("FILE.json");
+  CLI::Option* const side_by_side =
+      command->add_flag("--side-by-side", options->side_by_side,
+                        "print only E_dev, share of the true force, largest change of force and least P of each scene, "
+                        "remote beside local");
   CLI::Option* const two_people =
       command
           ->add_flag("--two-people", options->two_people,
                      "two people who move one block, behind 10 and 80 ms, in place of the scenes")
           ->excludes(only)
-          ->excludes(from);
+          ->excludes(from)
+          ->excludes(side_by_side);
   CLI::Option* const live =
       command
           ->add_option("--live", options->live,
                        "recordings of clients, whose figures are printed side by side in place of any run")
           ->excludes(only)
           ->excludes(from)
+          ->excludes(side_by_side)
           ->excludes(two_people)
           ->type_name("RUN.mcap");
   program::add_output(*command, "--json", options->json, "write all figures to this file")
@@ -180,12 +189,14 @@ void add_rendering(CLI::App& app) {
       ->excludes(two_people)
       ->excludes(live);
   command->footer(
-      "Round trips of 20, 100 and 200 ms, the recorded networks of FORCEBOUND_DATA, and blackouts of 1 and 3 s; each "
+      "Round trips of 0, 20, 100 and 200 ms, the recorded networks of FORCEBOUND_DATA, and blackouts of 1 and 3 s; "
+      "each "
       "beside the same scene, device, hand and law without a network. Client and server are those of the programs; the "
       "clock and the network are simulated. Ends with each class of scenes beside its goal.\n"
       "\n"
       "Examples:\n"
       "  forcebound-lab rendering --only mesh --seeds 1\n"
+      "  forcebound-lab rendering --only body --seeds 1 --side-by-side\n"
       "  forcebound-lab rendering --json all.json --csv all.csv --figures figures\n"
       "  forcebound-lab rendering --live remote.mcap local.mcap");
   command->callback([options] { run_rendering(*options); });

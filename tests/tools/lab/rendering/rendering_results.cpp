@@ -23,6 +23,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
 constexpr std::array<std::string_view, 3> kConditionKinds{"delays", "recorded", "blackouts"};
+constexpr double kNoWorse = 0.02;  // E_dev of local rendering over that of remote, at most
 
 /// Of a run, beside that of the same seed without a network.
 struct RenderingQuantity {
@@ -35,6 +36,8 @@ constexpr std::array kRenderingQuantities{
     RenderingQuantity{"stiffness_N_per_m", [](const auto& run, const auto&) { return run.stiffness_N_per_m; }},
     RenderingQuantity{"error", [](const auto& run, const auto&) { return run.error; }},
     RenderingQuantity{"error_beyond", [](const auto& run, const auto& without) { return run.error - without.error; }},
+    RenderingQuantity{"true_share", [](const auto& run, const auto&) { return run.true_share; }},
+    RenderingQuantity{"change_N_per_ms", [](const auto& run, const auto&) { return run.change_N_per_ms; }},
     RenderingQuantity{"late_ticks",
                       [](const auto& run, const auto& without) { return run.felt_tick - without.felt_tick; }},
     RenderingQuantity{"ready_s", [](const auto& run, const auto&) { return run.ready_s; }},
@@ -70,9 +73,11 @@ Json quantities_of(const std::vector<RenderingFigures>& runs, const std::vector<
   return all;
 }
 
-/// Not a number where a file has null.
+/// Not a number where a file has null, or was written before there was that quantity.
 double figure_of(const Json& row, const char* rendering, const char* quantity, OfSeeds which = OfSeeds::median) {
-  const Json& value = row.at(rendering).at(quantity).at(static_cast<std::size_t>(which));
+  const Json& figures = row.at(rendering);
+  if (!figures.contains(quantity)) return std::nan("");
+  const Json& value = figures.at(quantity).at(static_cast<std::size_t>(which));
   return value.is_number() ? value.get<double>() : std::nan("");
 }
 
@@ -95,6 +100,7 @@ struct WorstOfRows {
   double remote_error = -kNever;
   double error = -kNever;
   double error_beyond = -kNever;
+  double error_over_remote = -kNever;  ///< local less remote
   double error_without = -kNever;
   double felt_apart_ticks = -kNever;  ///< from the contact without a network, late or early: the most of all seeds
   double ready_s = -kNever;
@@ -109,6 +115,7 @@ struct WorstOfRows {
     keep_most(remote_error, figure_of(row, "remote", "error"));
     keep_most(error, figure_of(row, "local", "error"));
     keep_most(error_beyond, figure_of(row, "local", "error_beyond"));
+    keep_most(error_over_remote, figure_of(row, "local", "error") - figure_of(row, "remote", "error"));
     keep_most(error_without, figure_of(row, "without_network", "error"));
     keep_most(felt_apart_ticks, std::abs(figure_of(row, "local", "late_ticks", OfSeeds::least)));
     keep_most(felt_apart_ticks, std::abs(figure_of(row, "local", "late_ticks", OfSeeds::most)));
@@ -155,6 +162,7 @@ text::Table goals_table(const Json& study) {
                      {"recorded"},
                      {"blackouts"},
                      {"E_dev beyond"},
+                     {"over remote"},
                      {"felt apart", "ticks"},
                      {"least P", "nJ"},
                      {"goal"},
@@ -176,6 +184,7 @@ text::Table goals_table(const Json& study) {
     const WorstOfRows& all = one.all;
     row.push_back(
         judged(text::fixed(all.error_beyond, 3), one.goal.error == kNever || all.error_beyond <= one.goal.error));
+    row.push_back(judged(text::fixed(all.error_over_remote, 3), all.error_over_remote <= kNoWorse));
     row.push_back(judged(or_never(all.felt_apart_ticks, 0), all.felt_apart_ticks <= 1));
     row.push_back(judged(text::fixed(1e9 * all.minimum_J, 2), all.minimum_J >= kPassive_J));
     row.push_back(judged(reached ? "reached" : "missed", reached));
@@ -198,6 +207,9 @@ text::Table rows_table(const Json& study) {
                      {"E remote"},
                      {"E local"},
                      {"spread"},
+                     {"share", "remote"},
+                     {"share", "local"},
+                     {"change", "N/ms"},
                      {"late", "ticks"},
                      {"ready", "s"},
                      {"start", "kB/s"},
@@ -221,6 +233,9 @@ text::Table rows_table(const Json& study) {
                text::fixed(figure_of(row, "remote", "error"), 3),
                text::fixed(figure_of(row, "local", "error"), 3),
                text::fixed(seeds_apart(row, "error"), 3),
+               text::fixed(figure_of(row, "remote", "true_share"), 2),
+               text::fixed(figure_of(row, "local", "true_share"), 2),
+               text::fixed(figure_of(row, "local", "change_N_per_ms"), 2),
                or_never(figure_of(row, "local", "late_ticks"), 0),
                or_never(figure_of(row, "local", "ready_s"), 2),
                text::fixed(1e-3 * figure_of(row, "local", "start_B_per_s"), 1),
@@ -231,6 +246,46 @@ text::Table rows_table(const Json& study) {
                 least_P_J >= kPassive_J ? text::Table::Mark::none : text::Table::Mark::alarm}});
   }
   return table;
+}
+
+/// One figure of each scene, by its worst seed where `of_seeds` says so: remote beside local behind each network of a
+/// kind.
+struct SideBySide {
+  const char* head;
+  const char* quantity;
+  double unit;
+  int decimals;
+  OfSeeds of_seeds = OfSeeds::median;
+};
+
+constexpr std::array kSideBySide{
+    SideBySide{"E_dev", "error", 1, 3},
+    SideBySide{"Share of the true force that is applied", "true_share", 1, 2},
+    SideBySide{"Largest change of the force applied [N/ms]", "change_N_per_ms", 1, 2},
+    SideBySide{"Least P of all seeds [nJ]", "minimum_J", 1e9, 2, OfSeeds::least},
+};
+
+/// Empty if nothing of that kind was run.
+std::string side_by_side(const Json& study, std::string_view kind, const SideBySide& shown) {
+  std::vector<text::Table::Column> columns{{"scene"}};
+  std::vector<std::vector<text::Table::Cell>> lines;
+  std::string first;
+  for (const Json& row : study.at("rows")) {
+    const std::string scene = row.at("scene");
+    if (row.at("kind") != kind) continue;
+    if (first.empty()) first = scene;
+    if (lines.empty() || lines.back().front().text != scene) lines.push_back({scene});
+    for (const char* const rendering : {"remote", "local"}) {
+      if (scene == first) columns.push_back({rendering, row.at("condition").get<std::string>()});
+      const double figure = shown.unit * figure_of(row, rendering, shown.quantity, shown.of_seeds);
+      lines.back().emplace_back(text::fixed(figure, shown.decimals));
+    }
+  }
+  if (lines.empty()) return {};
+  text::Table table(std::move(columns));
+  for (std::vector<text::Table::Cell>& line : lines) table.add(std::move(line));
+  constexpr std::size_t kWide = 100;
+  return std::string(shown.head) + ", " + std::string(kind) + "\n\n" + table.to_text(text::Colour::none, kWide) + "\n";
 }
 
 std::string how_it_was_taken(const Json& study) {
@@ -276,8 +331,10 @@ std::string rendering_text(const Json& study) {
          "  remote, local  stiffness over K alone; where that is -, the share of the true\n"
          "             force that is applied, over that without a network\n"
          "  spread     of the figure to its left: most less least of the seeds\n"
-         "  late       the first force behind that without a network, local rendering,\n"
-         "             as all that follows\n"
+         "  share      dot of applied and true force over the true one's square\n"
+         "  change     the largest of the force applied, local rendering, as all that\n"
+         "             follows\n"
+         "  late       the first force behind that without a network\n"
          "  ready      from the start to the first tick rendered at the client\n"
          "  start      payloads sent, both ways, in the first second; steady: in the end\n"
          "  at client  share of the ticks since the first contact\n"
@@ -285,6 +342,13 @@ std::string rendering_text(const Json& study) {
          "\n"
          "Each class beside its goal, by its worst scene:\n\n" +
          goals_table(study).to_text();
+}
+
+std::string rendering_side_by_side(const Json& study) {
+  std::string told = how_it_was_taken(study) + " Remote at 0 ms is without a network.\n\n";
+  for (const SideBySide& shown : kSideBySide)
+    for (const std::string_view kind : kConditionKinds) told += side_by_side(study, kind, shown);
+  return told;
 }
 
 std::string rendering_markdown(const Json& study) {

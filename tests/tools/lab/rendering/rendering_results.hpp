@@ -25,6 +25,10 @@ inline constexpr text::Marks kRenderingMarks{"<!-- rendering: made by deploy/ren
 /// For a terminal: a line for each scene and network, what the columns mean, and each class beside its goal.
 [[nodiscard]] std::string rendering_text(const nlohmann::ordered_json& study);
 
+/// For a terminal: each scene with E_dev, share of the true force, largest change of force and least P, remote beside
+/// local; a table for each kind of networks.
+[[nodiscard]] std::string rendering_side_by_side(const nlohmann::ordered_json& study);
+
 /// Each class beside its goal, for a page: the worst of its scenes, of medians over the seeds.
 [[nodiscard]] std::string rendering_markdown(const nlohmann::ordered_json& study);
 

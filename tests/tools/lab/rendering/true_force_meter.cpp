@@ -24,6 +24,9 @@ void TrueForceMeter::on_tick(const record::TickRecord& tick) noexcept {
   touched_ = touched_ || truth.penetration_m > 0 || truth.force.norm() > kFelt_N;
   if (!touched_) return;
   ++ticks_;
+  if (const double passed_ms = 1e3 * time::to_seconds(tick.interval); last_applied_.rows() > 0 && passed_ms > 0)
+    change_N_per_ms_ = std::max(change_N_per_ms_, (tick.applied - last_applied_).norm() / passed_ms);
+  last_applied_ = tick.applied;
   at_client_ += here ? 1 : 0;
   error_ += (tick.applied - truth.force).squaredNorm();
   along_ += tick.applied.dot(truth.force);
@@ -37,6 +40,7 @@ RenderingFigures TrueForceMeter::figures() const {
   return {.error = std::sqrt(error_ / reference_),
           .stiffness_N_per_m = force_by_depth_ / depth_squared_,
           .true_share = along_ / reference_,
+          .change_N_per_ms = change_N_per_ms_,
           .felt_tick = felt_tick_,
           .at_client = static_cast<double>(at_client_) / static_cast<double>(ticks_),
           .ready_s = ready_s_};

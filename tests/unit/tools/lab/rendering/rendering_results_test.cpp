@@ -52,7 +52,8 @@ nlohmann::ordered_json study_of_rows(const std::vector<RenderingRow>& rows) { re
 TEST(RenderingResults, ReachTheGoalsOfTheirClass) {
   EXPECT_THAT(
       rendering_markdown(study_of_rows({good_row()})),
-      HasSubstr("| plane | >= 0.99 | 1.000 | - | - | 0.000 | 0 | 0.00 | reached | 100.0 | 0.08 | 90.0 | 70.0 |"));
+      HasSubstr(
+          "| plane | >= 0.99 | 1.000 | - | - | 0.000 | 0.000 | 0 | 0.00 | reached | 100.0 | 0.08 | 90.0 | 70.0 |"));
 }
 
 TEST(RenderingResults, MissThemByTheMedianOfTheStiffness) {
@@ -74,6 +75,16 @@ TEST(RenderingResults, MissThemByTheErrorWhereThereIsAGoalForIt) {
   EXPECT_THAT(rendering_markdown(study), HasSubstr("| reached |"));
   EXPECT_EQ(rendering_markdown(nlohmann::ordered_json::parse(rendering_file(study))), rendering_markdown(study))
       << "from a file";
+}
+
+TEST(RenderingResults, MissThemWhereLocalIsWorseThanRemote) {
+  RenderingRow row = good_row();
+  row.goal = kGoalOfWhatMoves;
+  for (RenderingFigures& run : row.local) run.error = 0.5;
+  for (RenderingFigures& run : row.remote) run.error = 0.481;
+  EXPECT_THAT(rendering_markdown(study_of_rows({row})), AllOf(HasSubstr("| 0.019 |"), HasSubstr("| reached |")));
+  for (RenderingFigures& run : row.remote) run.error = 0.479;
+  EXPECT_THAT(rendering_markdown(study_of_rows({row})), AllOf(HasSubstr("| **0.021** |"), HasSubstr("| **missed** |")));
 }
 
 TEST(RenderingResults, MissThemByEnergyFromNowhereInOneSeed) {
@@ -114,6 +125,36 @@ TEST(RenderingResults, GoByTheShareOfTheTrueForceWhereNothingIsPressedIn) {
 TEST(RenderingResults, FillNoLineOfATerminalWithMoreThanItHolds) {
   const std::string told = rendering_text(study_of_rows({good_row()}));
   for (const auto line : text::split(told, '\n')) EXPECT_LE(text::columns_of(line), text::kColumns) << line;
+}
+
+TEST(RenderingResults, ShowRemoteBesideLocal) {
+  RenderingRow without_delay = good_row();
+  without_delay.condition = "0 ms";
+  RenderingRow delayed = good_row();
+  for (RenderingFigures& run : delayed.remote) run.error = 0.4;
+  delayed.local[2].minimum_J = -3e-9;
+  RenderingRow dead = delayed;
+  dead.condition = "blackout 3 s";
+  dead.kind = "blackouts";
+  for (RenderingFigures& run : dead.local) run.change_N_per_ms = 24;
+  const std::string told = rendering_side_by_side(study_of_rows({without_delay, delayed, dead}));
+  EXPECT_THAT(told, HasSubstr("E_dev, delays\n\n"
+                              "  scene  remote   local    remote     local\n"
+                              "         [0 ms]  [0 ms]  [100 ms]  [100 ms]\n"
+                              "  plane   0.020   0.020     0.400     0.020\n"));
+  EXPECT_THAT(told, HasSubstr("Largest change of the force applied [N/ms], blackouts\n\n"
+                              "  scene          remote           local\n"
+                              "         [blackout 3 s]  [blackout 3 s]\n"
+                              "  plane            0.00           24.00\n"));
+  EXPECT_THAT(told, HasSubstr("  plane    0.00    0.00      0.00     -3.00\n")) << "the worst seed's P";
+  EXPECT_THAT(told, testing::Not(HasSubstr("recorded"))) << "none was run";
+}
+
+TEST(RenderingResults, KnowNothingOfAFigureThatAnOlderFileLacks) {
+  auto study = study_of_rows({good_row()});
+  for (const char* const rendering : {"without_network", "remote", "local"})
+    study.at("rows").at(0).at(rendering).erase("true_share");
+  EXPECT_THAT(rendering_csv(study), HasSubstr("\nplane,plane,100 ms,local,true_share,nan,nan,nan\n"));
 }
 
 TEST(RenderingResults, HaveARowOfDataForEachQuantityOfEachRendering) {
