@@ -15,13 +15,17 @@ constexpr double kOnSkins = 0x1p-6;
 constexpr double kEdgeSkins = 4;
 // A point this far below a triangle, by rounding, is not yet behind it.
 constexpr double kBehindSkins = 2;
+// Where both sides are felt, what a triangle holds beyond its edges and corners may lie on the other side of the
+// surface. The god object keeps farther away than that, so that it never meets a triangle from there.
+constexpr double kClearanceSkins = 16;
+constexpr double kCornerSkins = 8;
 // Planes at a smaller angle have no crease: over the whole mesh they differ by less than the skin.
 constexpr double kSameDirection = 0x1p-46;
 // Largest error of a computed normal: that of the thinnest triangle.
 constexpr double kLevel = 0x1p-15;
 // Where a surface rises beyond an edge, rounding must not let the god object slip past the rising wall while it follows
 // the edge down to the bottom of a wedge, however narrow. Reaching further beyond the edge is harmless: that is behind
-// the rising wall.
+// the rising wall, where nothing is felt. Where both sides are felt, the clearance keeps it over both walls.
 constexpr double kRisingEdgeSkins = 0x1p12;
 constexpr double kRisingBelowSkins = 0x1p-6;
 // Where the surface ends at the edge.
@@ -182,14 +186,20 @@ class GodObject::Search {
     }
   }
 
-  /// The first obstacle that is not among `without`.
+  /// The first obstacle that is not among `without`. A path that would change sides through one of those is blocked
+  /// from its start.
   [[nodiscard]] bool first_obstacle(const Segment& path, Obstacle& found,
                                     std::span<const std::uint32_t> without = {}) noexcept {
     bool blocked = false;
     double until = 1;
     const auto visit = [&](std::uint32_t place, double share) {
-      if (!without.empty() && std::ranges::find(without, place) != without.end()) return share;
-      if (!object_.is_in_the_way(object_.facets_[place], path, share, found)) return share;
+      const Facet& facet = object_.facets_[place];
+      if (!without.empty() && std::ranges::find(without, place) != without.end()) {
+        if (!object_.changes_sides(facet, path, share)) return share;
+        found.share = 0;
+      } else if (!object_.is_in_the_way(facet, path, share, found)) {
+        return share;
+      }
       blocked = true;
       return found.share;
     };
@@ -248,8 +258,8 @@ class GodObject::Fan {
   [[nodiscard]] std::span<const Step> steps() const noexcept { return std::span(steps_).first(step_count_); }
 
   /// The triangles about the point that connect to the step's triangle from edge to edge, if all of them share one
-  /// vertex and do not pass through each other: then none of them blocks the step, whatever their planes do. Else
-  /// nullopt.
+  /// vertex and do not pass through each other: then none of them blocks a step on the god object's side, whatever
+  /// their planes do. Else nullopt.
   [[nodiscard]] std::optional<std::span<const std::uint32_t>> around(std::size_t step) noexcept {
     if (std::ranges::find(members(), steps_[step].place) == members().end()) {
       gather_members(steps_[step].place);
@@ -365,7 +375,7 @@ GodObject::GodObject(std::shared_ptr<const TriangleMesh> mesh, const GodObjectOp
 GodObject::GodObject(Bvh tree, const GodObjectOptions& options)
     : bvh_(std::move(tree)),
       skin_m_(kSkin * bvh_.mesh().size_m()),
-      clearance_m_(options.two_sided ? kBehindSkins * skin_m_ : 0),
+      clearance_m_(options.two_sided ? kClearanceSkins * skin_m_ : 0),
       two_sided_(options.two_sided) {
   facets_.reserve(bvh_.order().size());
   for (const std::uint32_t triangle : bvh_.order()) facets_.push_back(facet_of(triangle));
@@ -398,8 +408,8 @@ GodObject::Edge GodObject::edge_of(std::uint32_t triangle, std::size_t side) con
   }
   // Seen from behind, a falling surface rises.
   const bool rises = (two_sided_ ? std::abs(rise_m) : rise_m) > kLevel * reach_m;
-  if (rises) return {plane, kRisingEdgeSkins * skin_m_, kRisingBelowSkins * skin_m_};
-  return {plane, kEdgeSkins * skin_m_, skin_m_};
+  if (!rises) return {plane, kEdgeSkins * skin_m_, skin_m_};
+  return {plane, (two_sided_ ? kEdgeSkins : kRisingEdgeSkins) * skin_m_, kRisingBelowSkins * skin_m_};
 }
 
 SurfacePoint GodObject::follow(const Point& goal_m, Proxy& state) const noexcept {
@@ -509,18 +519,7 @@ GodObject::Constraint GodObject::seen_from(const Point& p, const Constraint& pla
   return {plane.normal, plane.normal.dot(p) - side * plane.facet->plane.offset - clearance_m_, plane.facet};
 }
 
-bool GodObject::is_in_the_way(const Facet& facet, const Segment& path, double until, Obstacle& found) const noexcept {
-  double height_m = facet.plane.normal.dot(path.from_m) - facet.plane.offset;
-  const double side = two_sided_ && height_m < 0 ? -1 : 1;
-  const double rate_m = side * facet.plane.normal.dot(path.way_m);
-  height_m = side * height_m - clearance_m_;
-  if (!(rate_m < 0) || height_m < -kBehindSkins * skin_m_ ||
-      height_m + until * rate_m >= -kRisingBelowSkins * skin_m_) {
-    return false;
-  }
-  double enter = 0;
-  double leave = until;
-  double below_m = skin_m_;
+bool GodObject::Passage::enter_over(const Facet& facet, const Segment& path) noexcept {
   for (const Edge& edge : facet.edges) {
     const double beyond_m = edge.plane.normal.dot(path.from_m) - edge.plane.offset - edge.beyond_m;
     const double beyond_rate_m = edge.plane.normal.dot(path.way_m);
@@ -535,12 +534,48 @@ bool GodObject::is_in_the_way(const Facet& facet, const Segment& path, double un
       return false;
     }
   }
-  if (enter > leave || height_m + enter * rate_m < -kBehindSkins * skin_m_) return false;
-  if (height_m + leave * rate_m >= -below_m) return false;
+  return enter <= leave;
+}
+
+bool GodObject::is_in_the_way(const Facet& facet, const Segment& path, double until, Obstacle& found) const noexcept {
+  double height_m = facet.plane.normal.dot(path.from_m) - facet.plane.offset;
+  const double side = two_sided_ && height_m < 0 ? -1 : 1;
+  const double rate_m = side * facet.plane.normal.dot(path.way_m);
+  height_m = side * height_m - clearance_m_;
+  const double lowest_m = -std::max(kBehindSkins * skin_m_, clearance_m_);
+  if (!(rate_m < 0) || height_m < lowest_m || height_m + until * rate_m >= -kRisingBelowSkins * skin_m_) return false;
+  Passage over{.leave = until, .below_m = skin_m_};
+  if (!over.enter_over(facet, path) || height_m + over.enter * rate_m < lowest_m) return false;
+  if (height_m + over.leave * rate_m >= -over.below_m) return false;
   // This close to the plane, rounding decides where a flat path meets it; take the start.
   const double meets = height_m > kOnSkins * skin_m_ ? height_m / -rate_m : 0;
-  found = {{side * facet.plane.normal, height_m, &facet}, std::max(enter, meets)};
+  over.enter = std::max(over.enter, meets);
+  if (two_sided_ && is_past_a_corner(facet, path, over)) return false;
+  found = {{side * facet.plane.normal, height_m, &facet}, over.enter};
   return true;
+}
+
+bool GodObject::is_past_a_corner(const Facet& facet, const Segment& path, const Passage& over) const noexcept {
+  std::array<std::uint8_t, 2> corners{};
+  for (const bool leaves : {false, true}) {
+    Point at = path.from_m + (leaves ? over.leave : over.enter) * path.way_m;
+    at -= facet.plane.normal * (facet.plane.normal.dot(at) - facet.plane.offset);
+    const NearestOnTriangle nearest = bvh_.nearest_on(triangle_of(facet), at);
+    if (nearest.part.kind != TrianglePart::Kind::corner) return false;
+    if ((nearest.point_m - at).norm() <= kCornerSkins * skin_m_) return false;
+    corners[leaves ? 1 : 0] = nearest.part.index;
+  }
+  return corners[0] == corners[1];
+}
+
+bool GodObject::changes_sides(const Facet& facet, const Segment& path, double until) const noexcept {
+  if (!two_sided_) return false;
+  const double height_m = facet.plane.normal.dot(path.from_m) - facet.plane.offset;
+  const double rate_m = facet.plane.normal.dot(path.way_m);
+  if ((height_m > 0) == (height_m + until * rate_m > 0)) return false;
+  Passage over{.leave = until};
+  if (!over.enter_over(facet, path)) return false;
+  return (height_m + over.enter * rate_m > 0) != (height_m + over.leave * rate_m > 0);
 }
 
 }  // namespace forcebound::scene

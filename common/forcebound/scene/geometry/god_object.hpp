@@ -50,6 +50,12 @@ struct GodObjectOptions {
 ///
 /// and the next motions continue, even if the goal stays where it is.
 ///
+/// Felt from both sides, a surface holds the god object on the side from which it came, whichever way the normals
+/// point: it changes sides round a rim only. It keeps 2^-36 (1.5e-11) of the mesh's size away from the triangles,
+/// farther than any of them holds beyond its edges and corners, so that none is felt through another one: a device that
+/// slides over a convex edge is let go there. Where a way over the triangles about a vertex would go through one of
+/// them by this distance, it is not taken, and the god object may rest at the vertex though a triangle leads nearer.
+///
 /// Numerics: all is computed in the mesh's own frame. A point is on a plane if within a `skin` of 2^-40 (1e-12) of the
 /// mesh's size, and on a triangle if within four skins of its edges, so that rounding opens no gap and makes no step. A
 /// path that leaves a triangle over an edge no deeper than the skin has not met it, if the surface continues there
@@ -104,6 +110,16 @@ class GodObject {
     double share = 0;  // of the way to it
   };
 
+  /// The part of a path that lies over a triangle.
+  struct Passage {
+    double enter = 0;  // shares of the path
+    double leave = 1;
+    double below_m = 0;  // of the edge over which it leaves
+
+    /// False if there is none.
+    [[nodiscard]] bool enter_over(const Facet& facet, const Segment& path) noexcept;
+  };
+
   /// The god object's position, and how far it may still go.
   struct Walk {
     Point at_m;
@@ -139,6 +155,10 @@ class GodObject {
   [[nodiscard]] static bool is_within(const Facet& facet, const Point& p, double beyond_m) noexcept;
   [[nodiscard]] bool is_in_the_way(const Facet& facet, const Segment& path, double until,
                                    Obstacle& found) const noexcept;
+  /// Whether that part of the path lies where the planes of two edges at a sharp corner, moved outwards, reach far.
+  [[nodiscard]] bool is_past_a_corner(const Facet& facet, const Segment& path, const Passage& over) const noexcept;
+  /// Whether the path goes through the triangle, where both sides are felt.
+  [[nodiscard]] bool changes_sides(const Facet& facet, const Segment& path, double until) const noexcept;
 
   Bvh bvh_;
   std::vector<Facet> facets_;  // in the order of the tree

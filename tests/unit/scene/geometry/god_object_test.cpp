@@ -265,28 +265,34 @@ TEST(GodObject, RestsOnAnyFanWhereNoTriangleLeadsNearer) {
     (void)beside.to(follower.at_m() +
                     1e-6 * (test::askew().linear() * Point(0.1 * unit(random), 0.1 * unit(random), 1)));
     ASSERT_NEAR(settle(beside, goal).penetration_m, found.penetration_m, 1e-8);
+    Follower both(soup, {.two_sided = true});
+    (void)both.to(test::askew() * Point(0, 0, 1));
+    ASSERT_GT(settle(both, goal).penetration_m, 0.05) << "went through, felt from both sides";
   }
   EXPECT_GT(at_vertex, 100) << "hardly any fan held it at its vertex";
 }
 
 TEST(GodObject, RestsOnARoughBallWhereNoTriangleLeadsNearer) {
-  Follower follower(test::rough(test::ball(1, 16), 0.015, 7).moved(test::askew()));
-  (void)follower.to({0, 0, 2});
-  for (int i = 0; i < 1500; ++i) {
-    const double turn = 0.01 * i;
-    const Point out(std::cos(0.37 * turn) * std::cos(turn), std::cos(0.37 * turn) * std::sin(turn),
-                    std::sin(0.37 * turn));
-    const Point goal = (0.8 + 0.1 * std::sin(3.1 * turn)) * out;
-    (void)settle(follower, goal);
-    ASSERT_LT(nearer_about_m(follower, goal), 1e-9) << "goal " << i;
-    ASSERT_GT(follower.at_m().norm(), 0.8) << "went through at goal " << i;
+  for (const bool two_sided : {false, true}) {
+    Follower follower(test::rough(test::ball(1, 16), 0.015, 7).moved(test::askew()), {.two_sided = two_sided});
+    (void)follower.to({0, 0, 2});
+    for (int i = 0; i < 1500; ++i) {
+      SCOPED_TRACE("goal " + std::to_string(i) + (two_sided ? ", two-sided" : ""));
+      const double turn = 0.01 * i;
+      const Point out(std::cos(0.37 * turn) * std::cos(turn), std::cos(0.37 * turn) * std::sin(turn),
+                      std::sin(0.37 * turn));
+      const Point goal = (0.8 + 0.1 * std::sin(3.1 * turn)) * out;
+      (void)settle(follower, goal);
+      ASSERT_LT(nearer_about_m(follower, goal), 1e-9);
+      ASSERT_GT(follower.at_m().norm(), 0.8) << "went through";
+    }
   }
 }
 
 TEST(GodObject, HoldsOnAMeshThatPassesThroughItself) {
   // At the poles the vertices are nearer to each other than they are moved.
   for (unsigned seed = 1; seed <= 20; ++seed) {
-    Follower follower(test::rough(test::ball(1, 16), 0.05, seed).moved(test::askew()));
+    Follower follower(test::rough(test::ball(1, 16), 0.05, seed).moved(test::askew()), {.two_sided = seed % 2 == 0});
     (void)follower.to({0, 0, 2});
     for (int i = 0; i < 4000; ++i) {
       const double turn = 0.005 * i;
@@ -334,13 +340,13 @@ TEST(GodObject, StaysPutWhileItsGoalDoes) {
 TEST(GodObject, HoldsFromBothSidesIfAskedTo) {
   Follower follower(test::square(1, 4), {.two_sided = true});
   (void)follower.to({0.1, 0.2, 0.5});
-  EXPECT_NEAR(follower.to({0.1, 0.2, -0.01}).penetration_m, 0.01, 1e-11);
+  EXPECT_NEAR(follower.to({0.1, 0.2, -0.01}).penetration_m, 0.01, 3e-11);
   EXPECT_EQ(follower.to({0.1, 0.2, 0.01}).penetration_m, 0) << "releases the side that it is on";
   (void)follower.to({3, 0, 0.01});
   (void)follower.to({3, 0, -0.5});
   (void)follower.to({0.1, 0.2, -0.5});
   const SurfacePoint below = follower.to({0.1, 0.2, 0.01});
-  EXPECT_NEAR(below.penetration_m, 0.01, 1e-11);
+  EXPECT_NEAR(below.penetration_m, 0.01, 3e-11);
   EXPECT_LT((below.normal - Point(0, 0, -1)).norm(), 1e-12);
   EXPECT_EQ(follower.to({0.1, 0.2, -0.01}).penetration_m, 0);
 }
