@@ -383,25 +383,28 @@ TEST(GodObject, IgnoresGoalsThatAreNotFinite) {
 TEST(GodObject, NeverGetsInsideAClosedMesh) {
   const auto path = recorded_data("meshes/spot.obj");
   if (!path) GTEST_SKIP() << "no meshes/spot.obj in FORCEBOUND_DATA";
-  Follower follower(server::load_mesh(path->string()));
-  const TriangleMesh& mesh = follower.object().bvh().mesh();
-  std::mt19937 random(5);
-  std::uniform_real_distribution<double> unit(-1, 1);
-  (void)follower.to(mesh.origin_m() + Point(3, 3, 3));
-  Point goal = Point::Zero();
-  int contacts = 0;
-  for (int i = 0; i < 3000; ++i) {
-    const double stride_m = std::pow(10, -2.5 + 2 * unit(random));
-    goal += stride_m * Point(unit(random), unit(random), unit(random));
-    goal = goal.cwiseMax(-0.7 * mesh.box_m().max()).cwiseMin(0.7 * mesh.box_m().max());
-    const SurfacePoint found = follower.to(mesh.origin_m() + goal);
-    contacts += found.penetration_m > 0 ? 1 : 0;
-    // On the surface it may be as deep as rounding.
-    const Point at = follower.at_m() - mesh.origin_m();
-    if (follower.object().bvh().nearest(at)->distance_m < 4e-12 * mesh.size_m()) continue;
-    ASSERT_LT(std::abs(test::winding(mesh, at)), 0.01) << "inside at tick " << i;
+  for (const bool two_sided : {false, true}) {
+    SCOPED_TRACE(two_sided ? "two-sided" : "one-sided");
+    Follower follower(server::load_mesh(path->string()), {.two_sided = two_sided});
+    const TriangleMesh& mesh = follower.object().bvh().mesh();
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> unit(-1, 1);
+    (void)follower.to(mesh.origin_m() + Point(3, 3, 3));
+    Point goal = Point::Zero();
+    int contacts = 0;
+    for (int i = 0; i < 3000; ++i) {
+      const double stride_m = std::pow(10, -2.5 + 2 * unit(random));
+      goal += stride_m * Point(unit(random), unit(random), unit(random));
+      goal = goal.cwiseMax(-0.7 * mesh.box_m().max()).cwiseMin(0.7 * mesh.box_m().max());
+      const SurfacePoint found = follower.to(mesh.origin_m() + goal);
+      contacts += found.penetration_m > 0 ? 1 : 0;
+      // On the surface it may be as deep as rounding.
+      const Point at = follower.at_m() - mesh.origin_m();
+      if (follower.object().bvh().nearest(at)->distance_m < 4e-12 * mesh.size_m()) continue;
+      ASSERT_LT(std::abs(test::winding(mesh, at)), 0.01) << "inside at tick " << i;
+    }
+    EXPECT_GT(contacts, 1000);
   }
-  EXPECT_GT(contacts, 1000);
 }
 
 TEST(GodObject, FollowDoesNotAllocate) {
