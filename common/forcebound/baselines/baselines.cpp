@@ -1,5 +1,7 @@
 #include "forcebound/baselines/baselines.hpp"
 
+#include "forcebound/baselines/later_laws.hpp"
+
 namespace forcebound::baselines {
 
 void add_baselines(control::LawRegistry& laws) {
@@ -10,6 +12,7 @@ void add_baselines(control::LawRegistry& laws) {
   laws.add(successive_force_augment());
   laws.add(time_domain_passivity());
   laws.add(two_port_passivity());
+  laws.add(prioritised_dissipation());
   laws.add(two_layer());
   laws.add(virtual_coupling());
   laws.add(wave_variables());

@@ -70,7 +70,7 @@ TEST_P(OnePortLaw, GivesNothingWithoutARequestFromRest) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Baselines, OnePortLaw, testing::Values("aol", "eba", "tdpa"));
+INSTANTIATE_TEST_SUITE_P(Baselines, OnePortLaw, testing::Values("aol", "eba", "tdpa", "tdpa-priority"));
 
 }  // namespace
 }  // namespace forcebound::baselines

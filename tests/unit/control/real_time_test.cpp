@@ -62,6 +62,14 @@ TEST(TimeDomainPassivity, DoesNotAllocate) {
   }
 }
 
+TEST(PrioritisedDissipation, DoesNotAllocate) {
+  FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
+  for (const int degrees_of_freedom : {1, 3, 6}) {
+    for (const double first : {0.0, 1.0})
+      expect_tick_without_heap("tdpa-priority", degrees_of_freedom, {{"first", first}});
+  }
+}
+
 TEST(ExactLaw, DoesNotAllocate) {
   FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
   for (const int degrees_of_freedom : {1, 3, 6}) expect_tick_without_heap("fba-exact", degrees_of_freedom);

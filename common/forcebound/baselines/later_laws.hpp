@@ -1,0 +1,11 @@
+#pragma once
+
+#include "forcebound/control/law_description.hpp"
+
+/// Approaches that came after the paper [Kim 2015], for the same comparison as those of `baselines.hpp`.
+namespace forcebound::baselines {
+
+/// `tdpa-priority`: time-domain passivity that dissipates in one direction first, and the rest across it.
+[[nodiscard]] control::LawDescription prioritised_dissipation();
+
+}  // namespace forcebound::baselines
