@@ -7,6 +7,7 @@ namespace forcebound::baselines {
 void add_baselines(control::LawRegistry& laws) {
   laws.add(adjusting_output_limiter());
   laws.add(energy_bounding());
+  laws.add(input_to_state_stability());
   laws.add(memory_based_passivation());
   laws.add(set_position_modulation());
   laws.add(successive_force_augment());

@@ -5,6 +5,9 @@
 /// Approaches that came after the paper [Kim 2015], for the same comparison as those of `baselines.hpp`.
 namespace forcebound::baselines {
 
+/// `iss`: the loop of device and environment is input-to-state stable, which asks for less than passivity.
+[[nodiscard]] control::LawDescription input_to_state_stability();
+
 /// `tdpa-priority`: time-domain passivity that dissipates in one direction first, and the rest across it.
 [[nodiscard]] control::LawDescription prioritised_dissipation();
 

@@ -177,7 +177,7 @@ TEST_P(ConstantGainLaws, RefuseADeviceWhoseDampingDependsOnItsPose) {
               testing::HasSubstr("6 degrees of freedom, 1 to 3"));
 }
 
-INSTANTIATE_TEST_SUITE_P(All, ConstantGainLaws, testing::Values("pspm", "tla", "wave"));
+INSTANTIATE_TEST_SUITE_P(All, ConstantGainLaws, testing::Values("iss", "pspm", "tla", "wave"));
 
 }  // namespace
 }  // namespace forcebound::baselines

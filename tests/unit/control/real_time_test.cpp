@@ -70,6 +70,13 @@ TEST(PrioritisedDissipation, DoesNotAllocate) {
   }
 }
 
+TEST(InputToStateStability, DoesNotAllocate) {
+  FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
+  for (const int degrees_of_freedom : {1, 3}) {
+    for (const double year : {2015.0, 2016.0}) expect_tick_without_heap("iss", degrees_of_freedom, {{"variant", year}});
+  }
+}
+
 TEST(ExactLaw, DoesNotAllocate) {
   FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
   for (const int degrees_of_freedom : {1, 3, 6}) expect_tick_without_heap("fba-exact", degrees_of_freedom);
