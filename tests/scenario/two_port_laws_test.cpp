@@ -94,7 +94,7 @@ std::string name_of(const testing::TestParamInfo<TwoPortLawsInTheLoop::ParamType
 }
 
 INSTANTIATE_TEST_SUITE_P(All, TwoPortLawsInTheLoop,
-                         testing::Combine(testing::Values("pspm", "tdpa-2port", "tla", "wave"),
+                         testing::Combine(testing::Values("pspm", "tdpa-2port", "tdpa-er", "tla", "wave"),
                                           testing::Values("wall-1dof", "cartesian-3dof"),
                                           testing::Values("delay 0ms", "delay 50ms",
                                                           "delay 50ms 10ms loss 5% duplicate 2%")),

@@ -13,6 +13,7 @@ void add_baselines(control::LawRegistry& laws) {
   laws.add(successive_force_augment());
   laws.add(time_domain_passivity());
   laws.add(two_port_passivity());
+  laws.add(energy_reflection());
   laws.add(prioritised_dissipation());
   laws.add(two_layer());
   laws.add(virtual_coupling());

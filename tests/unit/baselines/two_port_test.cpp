@@ -158,11 +158,12 @@ TEST_P(TwoPortLaws, MakeContactWithAWallNearAndFar) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, TwoPortLaws, testing::Values("pspm", "tdpa-2port", "tla", "wave"), [](const auto& law) {
-  std::string name = law.param;
-  std::erase(name, '-');
-  return name;
-});
+INSTANTIATE_TEST_SUITE_P(All, TwoPortLaws, testing::Values("pspm", "tdpa-2port", "tdpa-er", "tla", "wave"),
+                         [](const auto& law) {
+                           std::string name = law.param;
+                           std::erase(name, '-');
+                           return name;
+                         });
 
 /// Those with one gain for all axes and poses.
 class ConstantGainLaws : public testing::TestWithParam<std::string> {};

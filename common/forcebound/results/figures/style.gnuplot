@@ -20,6 +20,7 @@ reference = '#9aa4ae'
 colour_of_law(law) = law eq 'none' ? red : law eq 'fba-less' ? orange : law eq 'fba-more' ? blue : \
     law eq 'fba-exact' ? green : law eq 'aol' ? '#c9a227' : law eq 'eba' ? '#5f6b76' : law eq 'mbpa' ? brown : \
     law eq 'pspm' ? '#4b9da9' : law eq 'sfa' ? '#b5838d' : law eq 'tdpa' ? violet : law eq 'tdpa-2port' ? '#a98bc9' : \
+    law eq 'iss' ? '#2a9d8f' : law eq 'tdpa-er' ? '#bc6c25' : law eq 'tdpa-priority' ? '#d0679d' : \
     law eq 'tla' ? '#6a994e' : law eq 'vc' ? '#e07a5f' : law eq 'wave' ? '#3d405b' : quiet
 # From near to far.
 network_colours = '#7fb2dd #0b5fa5 #d9730d #7b1e3a #1a8754 #7b4fa3 #8c6d46 #5f6b76 #c1272d #24292f'
