@@ -7,7 +7,6 @@
 
 #include "forcebound/server/environment/scene_environment.hpp"
 #include "forcebound/server/environment/scene_library.hpp"
-#include "forcebound/server/robot/task.hpp"
 #include "forcebound/view/shown_scene.hpp"
 
 namespace forcebound::client::commands {
@@ -27,6 +26,11 @@ view::ShownScene appearance_of(const std::shared_ptr<const scene::Scene>& scene,
   return shown;
 }
 
+bool is_of_robot(const Recorded& recorded) {
+  return std::ranges::any_of(
+      recorded.forces, [](const client::ForceSample& force) { return force.follower != control::FollowerState::none; });
+}
+
 }  // namespace
 
 std::string scene_message_of(const Recorded& recorded, const std::string& file) {
@@ -36,8 +40,7 @@ std::string scene_message_of(const Recorded& recorded, const std::string& file) 
   try {
     const auto scene = server::SceneLibrary::shipped().find(shown.name);
     if (scene) return view::scene_message(0, appearance_of(scene, recorded.degrees_of_freedom));
-    const auto tasks = server::task_names();
-    if (std::ranges::find(tasks, shown.name) != tasks.end()) {
+    if (is_of_robot(recorded)) {
       shown.more = "work of a robot: where arm and surroundings were is not in the recording";
       return view::scene_message(0, shown);
     }

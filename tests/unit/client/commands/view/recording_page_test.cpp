@@ -208,6 +208,8 @@ TEST(ShippedLook, IsThatOfTheSceneOfTheRecordedNameOrSaysWhyThereIsNone) {
   EXPECT_EQ(sphere["shapes"].at(0)["kind"], "sphere");
   recorded.info.scene = "of my own";
   EXPECT_THAT(Json::parse(scene_message_of(recorded, ""))["more"].get<std::string>(), HasSubstr("--scene"));
+  recorded.forces.push_back({.follower = control::FollowerState::waiting});
+  EXPECT_THAT(Json::parse(scene_message_of(recorded, ""))["more"].get<std::string>(), HasSubstr("work of a robot"));
   recorded.info.scene = "circle";  // of two axes
   EXPECT_THAT(Json::parse(scene_message_of(recorded, ""))["more"].get<std::string>(), HasSubstr("degrees of freedom"));
 }
