@@ -116,22 +116,26 @@ function(forcebound_write_include_rule file)
   file(CONFIGURE OUTPUT ${file} CONTENT "${rule}")
 endfunction()
 
-# forcebound_library(NAME [FOLDER folder] [LINK ...] [LINK_PRIVATE ...]): every source of one folder as the static library
-# forcebound::NAME, which others find as package component NAME. The folder is forcebound/NAME below the current one; of
-# client_session and server_session it is forcebound/client/session and forcebound/server/session. FOLDER names it below
-# forcebound/client or forcebound/server where the library's name does not, and from the current folder below tests/.
-# WITH_MUJOCO is linked, as LINK_PRIVATE is, where rigid bodies are built; a library that NEEDS_MUJOCO is built only there.
+# forcebound_library(NAME [NEEDS option] [FOLDER folder] [LINK ...] [LINK_PRIVATE ...]): every source of one folder as the
+# static library forcebound::NAME, which others find as package component NAME. The folder is forcebound/NAME below the
+# current one; of client_session and server_session it is forcebound/client/session and forcebound/server/session. FOLDER
+# names it below forcebound/client or forcebound/server where the library's name does not, and from the current folder
+# below tests/. WITH_MUJOCO is linked, as LINK_PRIVATE is, where rigid bodies are built. A library that NEEDS an option is
+# built where that is on; elsewhere, what is declared after it and links it does without.
 function(forcebound_library name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "NOT_INSTALLED;NEEDS_MUJOCO" "FOLDER" "LINK;LINK_PRIVATE;WITH_MUJOCO")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "NOT_INSTALLED" "FOLDER;NEEDS" "LINK;LINK_PRIVATE;WITH_MUJOCO")
   forcebound_folder(${name} "${arg_FOLDER}" root folder)
   set(target forcebound_${name})
   set_property(GLOBAL PROPERTY FORCEBOUND_FOLDER_OF_${target} ${folder})
   forcebound_may_include(${folder} ${arg_LINK} ${arg_LINK_PRIVATE} ${arg_WITH_MUJOCO})
   if(FORCEBOUND_MUJOCO)
     list(APPEND arg_LINK_PRIVATE ${arg_WITH_MUJOCO})
-  elseif(arg_NEEDS_MUJOCO)
+  endif()
+  if(arg_NEEDS AND NOT ${arg_NEEDS})
+    set_property(GLOBAL APPEND PROPERTY FORCEBOUND_LEFT_OUT forcebound::${name})
     return()
   endif()
+  forcebound_leave_out_libraries(arg_LINK arg_LINK_PRIVATE)
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${root}/${folder}/*.cpp)
   add_library(${target} STATIC ${sources})
   add_library(forcebound::${name} ALIAS ${target})
@@ -163,6 +167,7 @@ function(forcebound_program name)
   string(REPLACE "-" "_" app ${name}_app)
   set_property(GLOBAL PROPERTY FORCEBOUND_FOLDER_OF_${app} ${folder})
   forcebound_may_include(${folder} ${arg_LINK})
+  forcebound_leave_out_libraries(arg_LINK)
   add_library(${app} STATIC ${sources})
   forcebound_compile_together(${app})
   target_include_directories(${app} PUBLIC ${root})
@@ -173,6 +178,15 @@ function(forcebound_program name)
   if(FORCEBOUND_INSTALL)
     install(TARGETS ${name} RUNTIME COMPONENT programs)
   endif()
+endfunction()
+
+# forcebound_leave_out_libraries(LIST...): takes from each list the libraries that are not built.
+function(forcebound_leave_out_libraries)
+  get_property(left_out GLOBAL PROPERTY FORCEBOUND_LEFT_OUT)
+  foreach(list IN LISTS ARGN)
+    list(REMOVE_ITEM ${list} ${left_out})
+    set(${list} ${${list}} PARENT_SCOPE)
+  endforeach()
 endfunction()
 
 # Where a library or program lies: FOLDER below ROOT, ROOT being what its headers are included from.

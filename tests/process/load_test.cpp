@@ -79,13 +79,6 @@ TEST(Workers, HaveSchedFifoEach) {
   EXPECT_EQ(server.stop(), 0);
 }
 
-TEST(LabLoad, ServesARobotByOneWorkerAlone) {
-  const Ran server =
-      run(kServer, {"--listen", "127.0.0.1:0", "--follower", "reach-7", "--task", "stiff-wall", "--workers", "2"});
-  EXPECT_NE(server.exit_code, 0);
-  EXPECT_THAT(server.err, HasSubstr("--workers must be 1 with --follower: a robot has one leader, got 2"));
-}
-
 TEST(LabLoad, AsksForTheSceneAndForLocalModelsAsAClientDoes) {
   Server server({"--scene", "dome"});
   const TemporaryFolder folder;

@@ -139,6 +139,7 @@ TEST(APage, BeginsWithALawBesideToCompareWith) {
 }
 
 TEST(APage, OfARobotHasOneLawBecauseOneHandLeadsIt) {
+  if (run(kServer, {"--help"}).out.find("--follower ROBOT") == std::string::npos) GTEST_SKIP() << "without robots";
   Server server({"--follower", "reach-7", "--task", "stiff-wall"});
   Client client(server.address(), {"--device", "firm-3dof", "--page", "0"});
   Viewer viewer(client);

@@ -123,6 +123,8 @@ TEST(ARobot, IsRefusedInALineWhereItCannotBe) {
            {{"--follower", "reach7", "--task", "plug"}, "did you mean 'reach-7'"},
            {{"--follower", "reach-7", "--task", "plugs"}, "did you mean 'plug'"},
            {{"--follower", "reach-7", "--task", "plug", "--scene", "wall"}, "--scene"},
+           {{"--follower", "reach-7", "--task", "plug", "--workers", "2"},
+            "--workers must be 1 with --follower: a robot has one leader, got 2"},
            {{"--follower", "reach-7", "--task", "plug", "--follower-law", "nome"}, "did you mean 'none'"}}) {
     const Ran ran = run(kServer, words);
     EXPECT_EQ(ran.exit_code, 2) << said;

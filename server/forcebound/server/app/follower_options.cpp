@@ -2,8 +2,6 @@
 
 #include <CLI/CLI.hpp>
 
-#include <algorithm>
-
 #include "forcebound/program/command_line.hpp"
 #include "forcebound/server/follower/architecture.hpp"
 #include "forcebound/server/robot/robot_kinds.hpp"
@@ -19,19 +17,6 @@ std::vector<std::string> architecture_names() {
   return names;
 }
 
-/// "  NAME  what it does", a line each.
-template <class Kinds>
-std::string listed(const Kinds& kinds) {
-  std::size_t widest = 0;
-  for (const auto& kind : kinds) widest = std::max(widest, kind.name.size());
-  std::string text;
-  for (const auto& kind : kinds) {
-    text += "  " + std::string(kind.name) + std::string(widest + 2 - kind.name.size(), ' ') +
-            std::string(kind.summary) + "\n";
-  }
-  return text;
-}
-
 }  // namespace
 
 std::vector<std::string> follower_laws(const control::LawRegistry& laws) {
@@ -40,20 +25,6 @@ std::vector<std::string> follower_laws(const control::LawRegistry& laws) {
     if (!laws.find(name).make_server_side) names.push_back(name);
   }
   return names;
-}
-
-std::string follower_help() {
-  std::vector<Task> tasks;
-  for (const std::string& name : task_names()) tasks.push_back(load_task(name));
-  return "Robots (--follower):\n" + listed(robot_kinds()) +
-         "  driver:FILE.so[:KEY=VALUE,...]\n"
-         "           a robot behind a driver of forcebound_device.h; facts=ROBOT.toml replaces what it tells of "
-         "itself\n"
-         "  ROBOT.toml\n"
-         "           a robot's file, which names its driver\n"
-         "\nTasks (--task):\n" +
-         listed(tasks) + "or a file of your own (FILE.toml).\n\nArchitectures (--architecture):\n" +
-         listed(architectures());
 }
 
 void expect_task(const FollowerOptions& options) {

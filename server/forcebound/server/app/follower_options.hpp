@@ -26,9 +26,6 @@ void add_follower_options(CLI::App& app, FollowerOptions& options, const control
 /// @throws program::End where a simulated robot has no task, or one behind a driver has some
 void expect_task(const FollowerOptions& options);
 
-/// Robots, tasks and architectures, for the help.
-[[nodiscard]] std::string follower_help();
-
 /// The laws that can bound a robot's torques: those that need nothing from elsewhere.
 [[nodiscard]] std::vector<std::string> follower_laws(const control::LawRegistry& laws);
 

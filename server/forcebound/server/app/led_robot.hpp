@@ -1,76 +1,68 @@
 #pragma once
 
-#include <cstdint>
+#include <cstddef>
+#include <functional>
+#include <memory>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "forcebound/control/law_registry.hpp"
-#include "forcebound/server/app/follower_options.hpp"
 #include "forcebound/server/environment/environment.hpp"
-#include "forcebound/server/robot/task.hpp"
-#include "forcebound/server/runtime/follower_thread.hpp"
 #include "forcebound/time/clock.hpp"
+#include "forcebound/view/description.hpp"
+
+namespace CLI {
+class App;
+}  // namespace CLI
 
 namespace forcebound::server {
 
-/// The robot that forcebound-server drives: set up by the command line, and told of in log and totals.
+/// A robot that forcebound-server drives in place of a scene, and tells of in log and totals. All that the server knows
+/// of robots: a build with FORCEBOUND_ROBOT=OFF has none.
 class LedRobot {
  public:
-  /// Starts the robot and its thread. @param clock must outlive it
-  /// @param priority of its thread, SCHED_FIFO; none: as any thread
-  /// @throws std::exception with the reason, in a line, why robot, task, architecture and law do not go together
-  LedRobot(const FollowerOptions& options, const control::LawRegistry& laws, const time::Clock& clock,
-           std::optional<int> priority);
+  virtual ~LedRobot() = default;
 
   /// That clients request; its name is the task's, or `robot`.
-  [[nodiscard]] EnvironmentKind environment() const;
+  [[nodiscard]] virtual EnvironmentKind environment() const = 0;
 
   /// Robot, task, architecture and law in a line.
-  [[nodiscard]] std::string summary() const;
+  [[nodiscard]] virtual std::string summary() const = 0;
 
-  /// How it looks, and what it reports now for that.
-  [[nodiscard]] const FollowerAppearance& appearance() const noexcept { return *appearance_; }
-  [[nodiscard]] const FollowerReport& newest() noexcept { return thread_->newest(); }
+  /// How it looks.
+  [[nodiscard]] virtual const view::Description& appearance() const noexcept = 0;
+  /// Where all items of a group of that are now, as Environment::sample.
+  [[nodiscard]] virtual std::size_t sample(std::size_t group, std::span<float> to) noexcept = 0;
 
   /// Logs what changed since the last call.
-  void log_changes();
+  virtual void log_changes() = 0;
 
   /// Learn the bias of its force sensor now; what comes of it is logged.
-  void learn_bias() noexcept { thread_->learn_bias(); }
+  virtual void learn_bias() noexcept = 0;
 
   /// Brings the robot to rest, ends its thread, and logs what changed meanwhile. To be called once no client leads it.
-  void stop();
+  virtual void stop() = 0;
 
   /// Whether its driver hangs or has crashed: the process cannot but end, by std::_Exit after `stop`.
-  [[nodiscard]] bool is_lost() const noexcept { return thread_->is_lost(); }
-  [[nodiscard]] bool has_crashed() const noexcept { return thread_->trouble() == RobotGuard::Trouble::crashed; }
+  [[nodiscard]] virtual bool is_lost() const noexcept = 0;
+  [[nodiscard]] virtual bool has_crashed() const noexcept = 0;
 
   /// Of all that the robot did, after `stop`: a line for each subject, not broken.
-  [[nodiscard]] std::string totals() const;
-
- private:
-  /// "robot at task", or the robot alone: by its own name, for the settings of its driver are nobody else's business.
-  [[nodiscard]] std::string at_work() const;
-
-  FollowerOptions options_;
-  std::optional<Task> task_;  ///< none: the robot has work of its own
-  std::string name_{};        ///< of the robot
-  bool reported_lost_ = false;
-  std::uint64_t bias_answers_ = 0;  ///< logged
-  std::shared_ptr<FollowerThread> thread_;
-  std::shared_ptr<const FollowerAppearance> appearance_;
+  [[nodiscard]] virtual std::string totals() const = 0;
 };
 
-/// Why there is no robot any more, and what became of it.
-[[nodiscard]] std::string loss_in_words(const RobotGuard& guard, const std::string& robot);
+/// Starts a robot and its thread. @param clock must outlive it
+/// @param priority of its thread, SCHED_FIFO; none: as any thread
+/// @throws std::exception with the reason, in a line, why robot, task, architecture and law do not go together
+using StartRobot = std::function<std::unique_ptr<LedRobot>(const control::LawRegistry& laws, const time::Clock& clock,
+                                                           std::optional<int> priority)>;
 
-/// "following -> holding after 12.4 s; the leader was last heard 101 ms ago".
-[[nodiscard]] std::string in_words(const StateChange& change);
+/// Adds --follower and what belongs to it.
+/// @param start both must outlive the parsing, which sets this if a robot is asked for, or throws program::End
+void add_robot_options(CLI::App& app, StartRobot& start, const control::LawRegistry& laws);
 
-/// "the sensor's bias is learned again: by 3 N other than before".
-[[nodiscard]] std::string in_words(const SensorBias::Status& bias);
-
-/// The numbers of a robot's run, a line for each subject.
-[[nodiscard]] std::string in_words(const FollowerThread::Outcome& outcome);
+/// Robots, tasks and architectures, for the help.
+[[nodiscard]] std::string robot_help();
 
 }  // namespace forcebound::server

@@ -37,7 +37,7 @@ std::string footer() {
          ", or a file of your own (FILE.toml).\n"
          "A client may ask for any of them by name; files are opened for --scene only.\n"
          "\n" +
-         follower_help() +
+         robot_help() +
          "\n"
          "Examples:\n"
          "  forcebound-server\n"
@@ -53,10 +53,6 @@ std::string footer() {
          "server.key makes the key\n"
          "  forcebound-server --listen 0.0.0.0:47800 --psk shared.key\n"
          "      for everybody elsewhere who has the same shared.key\n"
-         "  forcebound-server --follower reach-7 --task stiff-wall\n"
-         "      a simulated arm at a wall, led by the first client that comes\n"
-         "  forcebound-server --follower driver:./my-arm.so:facts=my-arm.toml\n"
-         "      a robot of your own, behind a driver\n"
          "\n"
          "Ends on Ctrl-C or SIGTERM: ends its clients' sessions and prints its totals. SIGHUP reads the file of "
          "--clients again: who is not named any more is heard no more, and what else changed holds for who comes next. "
@@ -82,7 +78,7 @@ void add_scene(CLI::App& app, ProgramOptions& options, Typed& typed) {
   CLI::Option* const scene = app.add_option("--scene", options.scene, "scene for clients that request none")
                                  ->type_name("NAME|FILE.toml")
                                  ->capture_default_str();
-  add_follower_options(app, options.follower, options.server.laws);
+  add_robot_options(app, options.start_robot, options.server.laws);
   app.get_option("--follower")->excludes(scene);
   app.add_option("--scene-files", options.scene_files,
                  "folder in which files that the scene names may lie, besides the scene's own; may be repeated")
@@ -203,7 +199,7 @@ void describe(CLI::App& app, ProgramOptions& options, Typed& typed) {
 
 /// @throws std::invalid_argument for an option about a scene where there is a robot instead
 void expect_scene(const ProgramOptions& options) {
-  if (!options.follower.any() || !(options.explain || options.suggest)) return;
+  if (!options.start_robot || !(options.explain || options.suggest)) return;
   throw std::invalid_argument(options.explain ? "--explain tells of a scene's effects, and --follower has none: --help "
                                                 "tells what robots and tasks are"
                                               : "--suggest tries a hand on a scene's shapes, and --follower has none: "
@@ -222,7 +218,6 @@ ProgramOptions parse_command_line(int argc, const char* const* argv) {
     program::expect_apart({"--record", options.record}, {{"--scene", options.scene}});
   }
   expect_scene(options);
-  expect_task(options.follower);
   expect_bounds(options.keys);
   program::expect_apart(
       {"--record", options.record},

@@ -7,8 +7,8 @@
 #include "forcebound/net/endpoint.hpp"
 #include "forcebound/page/listen_address.hpp"
 #include "forcebound/server/app/fleet_member.hpp"
-#include "forcebound/server/app/follower_options.hpp"
 #include "forcebound/server/app/key_options.hpp"
+#include "forcebound/server/app/led_robot.hpp"
 #include "forcebound/server/environment/stability.hpp"
 #include "forcebound/server/session/server_options.hpp"
 
@@ -18,7 +18,7 @@ namespace forcebound::server {
 struct ProgramOptions {
   net::Endpoint listen{"127.0.0.1", 47800};
   std::string scene = "wall";               ///< name or file
-  FollowerOptions follower{};               ///< a robot instead of the scene
+  StartRobot start_robot{};                 ///< a robot instead of the scene; empty: there is none
   std::vector<std::string> scene_files;     ///< folders in which files that it names may lie, besides its own
   bool explain = false;                     ///< print what would be simulated, and end
   bool suggest = false;                     ///< print a suitable device and hand, and end

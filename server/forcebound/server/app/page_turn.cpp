@@ -28,7 +28,7 @@ PageTurn::PageTurn(const ProgramOptions& options, PageObserver& observer, const 
       shown_(clock.now()) {
   const page::PageServer::Settings settings = page::page_settings(*options.page, text::program_path());
   if (const std::string why = page::missing_page(text::program_path()); !why.empty()) spdlog::warn("{}", why);
-  if (robot_ != nullptr) page_.set_robot(*robot_->appearance().description());
+  if (robot_ != nullptr) page_.set_robot(robot_->appearance());
   served_.emplace(settings, page_);
   std::cout << "page: " << page::printed_address(served_->address()) << std::endl;
 }
@@ -36,10 +36,9 @@ PageTurn::PageTurn(const ProgramOptions& options, PageObserver& observer, const 
 void PageTurn::show_robot(time::Nanoseconds now) {
   if (robot_ == nullptr || now < next_movement_ || !page_.watched()) return;
   next_movement_ = now + kMovementPeriod;
-  const FollowerReport& report = robot_->newest();
   std::array<float, view::kNumbersMost> numbers{};
-  for (const std::size_t group : {FollowerAppearance::kSolids, FollowerAppearance::kValues}) {
-    const std::size_t count = robot_->appearance().sample(report, group, 0, numbers);
+  for (std::size_t group = 0; group < robot_->appearance().moving.size(); ++group) {
+    const std::size_t count = robot_->sample(group, numbers);
     if (count > 0) page_.move_robot(group, std::span(numbers).first(count));
   }
 }

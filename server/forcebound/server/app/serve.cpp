@@ -227,10 +227,10 @@ class Service {
 /// What clients can request, and what those get that request nothing.
 struct Offer {
   EnvironmentLibrary environments{};
-  std::string name{};               ///< of what is served by default
-  std::string simulated{};          ///< in a line
-  std::string choice{};             ///< before that, in recordings
-  std::optional<LedRobot> robot{};  ///< none: a scene
+  std::string name{};                 ///< of what is served by default
+  std::string simulated{};            ///< in a line
+  std::string choice{};               ///< before that, in recordings
+  std::unique_ptr<LedRobot> robot{};  ///< null: a scene
 };
 
 /// @throws std::exception if scene or robot are not available
@@ -238,9 +238,9 @@ Offer make_offer(const ProgramOptions& options, const time::Clock& clock) {
   const scene::MeasureCost measure = measured_by(clock);
   SceneLibrary scenes = SceneLibrary::shipped(scene::Registry::standard(), measure);
   Offer offer;
-  if (options.follower.any()) {
-    offer.robot.emplace(options.follower, options.server.laws, clock,
-                        options.realtime ? std::optional(kRobotPriority) : std::nullopt);
+  if (options.start_robot) {
+    offer.robot = options.start_robot(options.server.laws, clock,
+                                      options.realtime ? std::optional(kRobotPriority) : std::nullopt);
     EnvironmentKind kind = offer.robot->environment();
     offer.name = kind.name;
     offer.simulated = offer.robot->summary();
@@ -304,7 +304,7 @@ void log_workers(std::size_t wanted, std::size_t has) {
 /// How many threads serve.
 /// @throws std::invalid_argument where several were asked for and cannot be
 std::size_t workers_for(const ProgramOptions& options, bool socket_handed_over) {
-  if (options.follower.any() || socket_handed_over) {
+  if (options.start_robot || socket_handed_over) {
     if (options.workers > 1) {
       throw std::invalid_argument("--workers must be 1 with " +
                                   std::string(socket_handed_over ? "a socket from the service manager, which has bound "
@@ -339,7 +339,7 @@ int serve(ProgramOptions options) {
   Offer offer = make_offer(options, clock);
   options.server.scene = offer.name;
 
-  install_signal_handlers(!options.keys.clients.empty() || ServiceManager::started_this(), options.follower.any());
+  install_signal_handlers(!options.keys.clients.empty() || ServiceManager::started_this(), offer.robot != nullptr);
   net::UdpLink link = handed_over ? std::move(*handed_over) : listen_at(address);
   const auto observer = make_observer(options, offer, encryption, clock);
   PageObserver page_observer(*observer, clock);
@@ -352,7 +352,7 @@ int serve(ProgramOptions options) {
   spdlog::info("{}", encryption_words);
   // Before: its thread is to have no real-time priority.
   std::optional<PageTurn> page;
-  if (options.page) page.emplace(options, page_observer, clock, offer.robot ? &*offer.robot : nullptr);
+  if (options.page) page.emplace(options, page_observer, clock, offer.robot.get());
   std::optional<FleetLink> fleet;
   if (port_of_fleet) {
     const FleetMember::Options member{.after_use = options.after_use, .places = options.server.sessions_max};
@@ -366,9 +366,7 @@ int serve(ProgramOptions options) {
 
   ServiceManager::report_ready("serving at " + net::to_string(server.address()));
 
-  const Beside beside{.page = page ? &*page : nullptr,
-                      .fleet = fleet ? &*fleet : nullptr,
-                      .robot = offer.robot ? &*offer.robot : nullptr};
+  const Beside beside{.page = page ? &*page : nullptr, .fleet = fleet ? &*fleet : nullptr, .robot = offer.robot.get()};
   Service(server, beside, options, clock, manager).run();
   server.stop();
   fleet.reset();

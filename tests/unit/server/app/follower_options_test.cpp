@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <CLI/CLI.hpp>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -20,7 +21,16 @@ using testing::Contains;
 using testing::HasSubstr;
 using testing::Not;
 
-ProgramOptions follower_parsed(std::vector<const char*> words) {
+FollowerOptions follower_parsed(std::vector<const char*> words) {
+  words.insert(words.begin(), "forcebound-server");
+  FollowerOptions options;
+  CLI::App app;
+  add_follower_options(app, options, baselines::shipped_laws());
+  program::parse(app, static_cast<int>(words.size()), words.data());
+  return options;
+}
+
+ProgramOptions server_parsed(std::vector<const char*> words) {
   words.insert(words.begin(), "forcebound-server");
   return parse_command_line(static_cast<int>(words.size()), words.data());
 }
@@ -29,7 +39,7 @@ ProgramOptions follower_parsed(std::vector<const char*> words) {
 std::string refusal_of(const std::vector<const char*>& words) {
   std::string said;
   try {
-    (void)follower_parsed(words);
+    (void)server_parsed(words);
     ADD_FAILURE() << "accepted";
   } catch (const program::End& end) {
     EXPECT_EQ(end.exit_code, program::kWrongUse);
@@ -42,18 +52,23 @@ std::string refusal_of(const std::vector<const char*>& words) {
 }
 
 TEST(FollowerOptions, SayRobotTaskAndHowTheyWork) {
-  const ProgramOptions options =
+  const FollowerOptions options =
       follower_parsed({"--follower", "reach-7", "--task", "plug", "--architecture", "model-mediated", "--follower-law",
                        "none", "--motion-scale", "0.5", "--force-scale", "0.25", "--approach-speed", "0.1"});
-  EXPECT_TRUE(options.follower.any());
-  EXPECT_EQ(options.follower.robot, "reach-7");
-  EXPECT_EQ(options.follower.task, "plug");
-  EXPECT_EQ(options.follower.settings.architecture, "model-mediated");
-  EXPECT_EQ(options.follower.settings.law, "none");
-  EXPECT_EQ(options.follower.settings.workspace.motion_scale, 0.5);
-  EXPECT_EQ(options.follower.settings.workspace.force_scale, 0.25);
-  EXPECT_EQ(options.follower.settings.approach_m_per_s_max, 0.1);
-  EXPECT_FALSE(follower_parsed({}).follower.any());
+  EXPECT_TRUE(options.any());
+  EXPECT_EQ(options.robot, "reach-7");
+  EXPECT_EQ(options.task, "plug");
+  EXPECT_EQ(options.settings.architecture, "model-mediated");
+  EXPECT_EQ(options.settings.law, "none");
+  EXPECT_EQ(options.settings.workspace.motion_scale, 0.5);
+  EXPECT_EQ(options.settings.workspace.force_scale, 0.25);
+  EXPECT_EQ(options.settings.approach_m_per_s_max, 0.1);
+  EXPECT_FALSE(follower_parsed({}).any());
+}
+
+TEST(FollowerOptions, StartARobotOnlyWhereOneIsAskedFor) {
+  EXPECT_TRUE(server_parsed({"--follower", "reach-7", "--task", "plug"}).start_robot);
+  EXPECT_FALSE(server_parsed({}).start_robot);
 }
 
 TEST(FollowerOptions, RefuseWhatDoesNotExistNamingTheNearest) {
@@ -71,7 +86,7 @@ TEST(FollowerOptions, RefuseWhatDoesNotExistNamingTheNearest) {
 TEST(FollowerOptions, RefuseATaskFileWithItsLine) {
   const test::TemporaryFolder folder;
   const std::string file = folder.file("my.toml");
-  const auto parse = [&] { (void)follower_parsed({"--follower", "reach-7", "--task", file.c_str()}); };
+  const auto parse = [&] { (void)server_parsed({"--follower", "reach-7", "--task", file.c_str()}); };
   EXPECT_THAT(parse, testing::ThrowsMessage<std::runtime_error>(HasSubstr("my.toml: cannot be read")));
   text::write_file(file, "summary = 3\n");
   EXPECT_THAT(parse, testing::ThrowsMessage<std::exception>(HasSubstr("my.toml")));
@@ -92,8 +107,8 @@ TEST(FollowerOptions, BelongTogether) {
 }
 
 TEST(FollowerOptions, TakeARobotBehindADriverWithoutATask) {
-  EXPECT_EQ(follower_parsed({"--follower", "driver:./arm.so:port=1"}).follower.robot, "driver:./arm.so:port=1");
-  EXPECT_EQ(follower_parsed({"--follower", "my-arm.toml"}).follower.robot, "my-arm.toml");
+  EXPECT_EQ(follower_parsed({"--follower", "driver:./arm.so:port=1"}).robot, "driver:./arm.so:port=1");
+  EXPECT_EQ(follower_parsed({"--follower", "my-arm.toml"}).robot, "my-arm.toml");
   EXPECT_THAT(refusal_of({"--follower", "driver:./arm.so", "--task", "plug"}),
               HasSubstr("--task is for simulated robots; one behind a driver has work of its own"));
 }

@@ -1,13 +1,16 @@
-#include "forcebound/server/app/led_robot.hpp"
+#include "forcebound/server/app/led_follower.hpp"
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include <cmath>
+#include <algorithm>
+#include <cstdint>
+#include <span>
 #include <utility>
 
 #include "forcebound/server/follower/follower_environment.hpp"
 #include "forcebound/server/robot/robot_kinds.hpp"
+#include "forcebound/server/robot/task.hpp"
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/text/printable.hpp"
 #include "forcebound/text/terminal.hpp"
@@ -126,9 +129,45 @@ std::string loss_in_words(const RobotGuard& guard, const std::string& robot) {
          "; the server ends";
 }
 
-LedRobot::LedRobot(const FollowerOptions& options, const control::LawRegistry& laws, const time::Clock& clock,
-                   std::optional<int> priority)
-    : options_(options) {
+namespace {
+
+/// Set up by the command line.
+class LedFollower final : public LedRobot {
+ public:
+  LedFollower(FollowerOptions options, const control::LawRegistry& laws, const time::Clock& clock,
+              std::optional<int> priority);
+
+  [[nodiscard]] EnvironmentKind environment() const override;
+  [[nodiscard]] std::string summary() const override;
+  [[nodiscard]] const view::Description& appearance() const noexcept override { return *appearance_->description(); }
+  [[nodiscard]] std::size_t sample(std::size_t group, std::span<float> to) noexcept override {
+    return appearance_->sample(thread_->newest(), group, 0, to);
+  }
+  void log_changes() override;
+  void learn_bias() noexcept override { thread_->learn_bias(); }
+  void stop() override;
+  [[nodiscard]] bool is_lost() const noexcept override { return thread_->is_lost(); }
+  [[nodiscard]] bool has_crashed() const noexcept override {
+    return thread_->trouble() == RobotGuard::Trouble::crashed;
+  }
+  [[nodiscard]] std::string totals() const override;
+
+ private:
+  /// "robot at task", or the robot alone: by its own name, for the settings of its driver are nobody else's business.
+  [[nodiscard]] std::string at_work() const;
+
+  FollowerOptions options_;
+  std::optional<Task> task_;  ///< none: the robot has work of its own
+  std::string name_{};        ///< of the robot
+  bool reported_lost_ = false;
+  std::uint64_t bias_answers_ = 0;  ///< logged
+  std::shared_ptr<FollowerThread> thread_;
+  std::shared_ptr<const FollowerAppearance> appearance_;
+};
+
+LedFollower::LedFollower(FollowerOptions options, const control::LawRegistry& laws, const time::Clock& clock,
+                         std::optional<int> priority)
+    : options_(std::move(options)) {
   std::unique_ptr<Robot> robot;
   if (is_driven(options_.robot)) {
     robot = make_driven(options_.robot);
@@ -147,20 +186,20 @@ LedRobot::LedRobot(const FollowerOptions& options, const control::LawRegistry& l
   if (priority) spdlog::info("robot's loop: {}", thread_->grant());
 }
 
-EnvironmentKind LedRobot::environment() const {
+EnvironmentKind LedFollower::environment() const {
   constexpr int kDegreesOfFreedom = 3;  // of what a robot's tool does unless it is known
   return follower_environment(task_ ? task_->name : "robot", summary(),
                               task_ ? task_->degrees_of_freedom : kDegreesOfFreedom, thread_, appearance_);
 }
 
-std::string LedRobot::summary() const {
+std::string LedFollower::summary() const {
   return "robot " + (task_ ? at_work() + " (" + task_->summary + ")" : at_work()) + ", " +
          options_.settings.architecture + ", law " + options_.settings.law;
 }
 
-std::string LedRobot::at_work() const { return task_ ? name_ + " at " + task_->name : name_; }
+std::string LedFollower::at_work() const { return task_ ? name_ + " at " + task_->name : name_; }
 
-void LedRobot::log_changes() {
+void LedFollower::log_changes() {
   while (const auto change = thread_->take_change()) spdlog::log(level_of(change->to), "robot: {}", in_words(*change));
   const SensorBias::Status& bias = thread_->newest().bias;
   if (bias.answers != std::exchange(bias_answers_, bias.answers)) {
@@ -171,13 +210,13 @@ void LedRobot::log_changes() {
   spdlog::error("robot: {}", loss_in_words(*thread_->guard(), at_work()));
 }
 
-void LedRobot::stop() {
+void LedFollower::stop() {
   const FollowerThread::Outcome& outcome = thread_->stop();
   log_changes();
   if (!outcome.at_rest && !is_lost()) spdlog::error("robot: not at rest at the end; its brakes are on");
 }
 
-std::string LedRobot::totals() const {
+std::string LedFollower::totals() const {
   if (is_lost()) return "robot: " + loss_in_words(*thread_->guard(), at_work()) + "\n";
   std::string text = "robot: " + at_work() + ", " + options_.settings.architecture + ", law " + options_.settings.law +
                      "\n" + in_words(thread_->stop());
@@ -186,6 +225,13 @@ std::string LedRobot::totals() const {
     text += "  task: " + task_text(*task_, *robot) + "\n";
   }
   return text;
+}
+
+}  // namespace
+
+std::unique_ptr<LedRobot> start_follower(const FollowerOptions& options, const control::LawRegistry& laws,
+                                         const time::Clock& clock, std::optional<int> priority) {
+  return std::make_unique<LedFollower>(options, laws, clock, priority);
 }
 
 }  // namespace forcebound::server

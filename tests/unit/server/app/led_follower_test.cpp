@@ -1,4 +1,4 @@
-#include "forcebound/server/app/led_robot.hpp"
+#include "forcebound/server/app/led_follower.hpp"
 
 #include <gmock/gmock.h>
 
@@ -115,37 +115,37 @@ FollowerOptions at(const std::string& task) { return {.robot = robot_names().fro
 TEST(LedRobot, IsTheEnvironmentOfItsTask) {
   if (!has_simulated_robots()) GTEST_SKIP() << "built without MuJoCo";
   const time::SteadyClock clock;
-  LedRobot robot(at("stiff-wall"), baselines::shipped_laws(), clock, std::nullopt);
-  const EnvironmentKind kind = robot.environment();
+  const auto robot = start_follower(at("stiff-wall"), baselines::shipped_laws(), clock, std::nullopt);
+  const EnvironmentKind kind = robot->environment();
   EXPECT_EQ(kind.name, "stiff-wall");
-  EXPECT_THAT(robot.summary(), AllOf(HasSubstr("reach-7"), HasSubstr("position-force"), HasSubstr("fba-exact")));
-  EXPECT_EQ(kind.make({.device = "omni"}).simulated, robot.summary());
-  robot.stop();
-  EXPECT_THAT(robot.totals(), AllOf(HasSubstr("robot: reach-7 at stiff-wall"), HasSubstr("  task: "),
-                                    HasSubstr("not reached"), HasSubstr("at the end at rest")));
-  std::istringstream lines(text::wrapped(robot.totals(), 4));
+  EXPECT_THAT(robot->summary(), AllOf(HasSubstr("reach-7"), HasSubstr("position-force"), HasSubstr("fba-exact")));
+  EXPECT_EQ(kind.make({.device = "omni"}).simulated, robot->summary());
+  robot->stop();
+  EXPECT_THAT(robot->totals(), AllOf(HasSubstr("robot: reach-7 at stiff-wall"), HasSubstr("  task: "),
+                                     HasSubstr("not reached"), HasSubstr("at the end at rest")));
+  std::istringstream lines(text::wrapped(robot->totals(), 4));
   for (std::string line; std::getline(lines, line);) EXPECT_LE(text::columns_of(line), text::kColumns) << line;
 }
 
 TEST(LedRobot, BehindADriverHasNoTaskButWorkOfItsOwn) {
   const time::SteadyClock clock;
-  LedRobot robot({.robot = "driver:" + test::robot_driver() + ":joints=7"}, baselines::shipped_laws(), clock,
-                 std::nullopt);
-  EXPECT_EQ(robot.summary(), "robot arm 7, position-force, law fba-exact") << "without the driver's settings";
-  EXPECT_EQ(robot.environment().name, "robot");
-  EXPECT_TRUE(robot.environment().accepts(3));
-  EXPECT_FALSE(robot.environment().accepts(1));
-  robot.stop();
-  EXPECT_FALSE(robot.is_lost());
-  EXPECT_THAT(robot.totals(), AllOf(HasSubstr("position-force"), HasSubstr("at the end at rest"),
-                                    HasSubstr("least P 0 mJ"), Not(HasSubstr("  task: "))));
+  const auto robot = start_follower({.robot = "driver:" + test::robot_driver() + ":joints=7"},
+                                    baselines::shipped_laws(), clock, std::nullopt);
+  EXPECT_EQ(robot->summary(), "robot arm 7, position-force, law fba-exact") << "without the driver's settings";
+  EXPECT_EQ(robot->environment().name, "robot");
+  EXPECT_TRUE(robot->environment().accepts(3));
+  EXPECT_FALSE(robot->environment().accepts(1));
+  robot->stop();
+  EXPECT_FALSE(robot->is_lost());
+  EXPECT_THAT(robot->totals(), AllOf(HasSubstr("position-force"), HasSubstr("at the end at rest"),
+                                     HasSubstr("least P 0 mJ"), Not(HasSubstr("  task: "))));
 }
 
 TEST(LedRobot, SaysWhatItNeedsWithoutMuJoCo) {
   if (has_simulated_robots()) GTEST_SKIP() << "built with MuJoCo";
   const time::SteadyClock clock;
   try {
-    LedRobot robot(at("plug"), baselines::shipped_laws(), clock, std::nullopt);
+    (void)start_follower(at("plug"), baselines::shipped_laws(), clock, std::nullopt);
     FAIL();
   } catch (const std::runtime_error& error) {
     EXPECT_THAT(error.what(), AllOf(HasSubstr("MuJoCo"), HasSubstr("libmujoco-dev")));
