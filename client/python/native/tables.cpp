@@ -70,6 +70,7 @@ std::vector<Column<TickRecord>> tick_columns() {
           {.name = "local_N", .vector = [](const R& r) { return r.local; }},
           {.name = "model_N", .vector = [](const R& r) { return r.model; }},
           {.name = "model_deviation_m", .number = [](const R& r) { return r.model_deviation_m; }},
+          {.name = "model_trust", .number = [](const R& r) { return r.model_trust; }},
           {.name = "penetration_m", .number = [](const R& r) { return r.penetration_m; }},
           {.name = "displayed_N", .number = [](const R& r) { return r.displayed_N; }},
           {.name = "energy_J", .number = [](const R& r) { return r.energy_J; }},

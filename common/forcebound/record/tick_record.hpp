@@ -56,7 +56,8 @@ struct TickRecord {
   std::uint64_t local_scene = 0;   ///< number of that scene, 1, 2, 3, ... as more of it came; 0: none
   Nanoseconds local_scene_age{0};  ///< since it was taken into use
   control::Vector model{};         ///< force of the server's local models at the device's own place [N]; no rows: none
-  double model_deviation_m = 0;    ///< of a mass at the client from where the server has it: being corrected
+  double model_deviation_m = 0;    ///< how far the newest answer moved a mass at the client
+  double model_trust = 1;          ///< the share of the models that counts, by how they foretold the answers
   control::Handle handle{};        ///< buttons, gripper and orientation at the reading; absent: it has none
 };
 

@@ -114,8 +114,8 @@ TEST(Recording, KeepsEveryFieldOfATickAndAForce) {
     EXPECT_EQ(a.joint, b.joint);
     EXPECT_EQ(a.request, b.request);
     EXPECT_EQ(a.applied, b.applied);
-    EXPECT_EQ(std::tie(a.rendering, a.local_scene, a.local_scene_age, a.model_deviation_m),
-              std::tie(b.rendering, b.local_scene, b.local_scene_age, b.model_deviation_m));
+    EXPECT_EQ(std::tie(a.rendering, a.local_scene, a.local_scene_age, a.model_deviation_m, a.model_trust),
+              std::tie(b.rendering, b.local_scene, b.local_scene_age, b.model_deviation_m, b.model_trust));
     EXPECT_EQ(a.handle, b.handle);
     EXPECT_EQ(a.remote, b.remote);
     EXPECT_EQ(a.request_torque_N_m, b.request_torque_N_m);

@@ -96,6 +96,7 @@ inline void play_sample_run(TickSink& sink, std::uint64_t ticks) {
       tick.local_scene_age = Nanoseconds{static_cast<std::int64_t>(n) * 1'000'000};
       tick.model = vector_of({0, 0, 1.5});
       tick.model_deviation_m = 1e-4;
+      tick.model_trust = 0.75;
       tick.request_torque_N_m = vector_of({0.1, -0.2, 0.3});
       tick.applied_torque_N_m = vector_of({0.01, -0.02, 0.03});
       tick.handle = {.buttons = n % 2 == 0 ? 1U : 0U, .gripper = 0.25, .orientation = {{0.6, 0, -0.8, 0}}};
