@@ -94,7 +94,7 @@ TEST_F(TwoPeopleOnOneBlock, FeelEachOtherAsMuchAtDifferentDelays) {
     EXPECT_TRUE(one->by_device_clock);
     EXPECT_GT(one->before_reading, 0ms);
     EXPECT_LE(one->before_reading, 5ms) << "networks without jitter";
-    EXPECT_EQ(one->deviation_m, 0) << "all corrections are done";
+    EXPECT_LT(one->deviation_m, 1e-6) << "at rest a model foretells where it is";
   }
   EXPECT_GE(least_J(loop, 0), -1e-9);
   EXPECT_GE(least_J(loop, 1), -1e-9);
@@ -135,9 +135,9 @@ TEST_F(TwoPeopleOnOneBlock, GetNoEnergyFromNowhereWhenBothMove) {
     EXPECT_GE(least_J(loop, 0), -1e-9);
     EXPECT_GE(least_J(loop, 1), -1e-9);
     for (const Feeling* one : {&near, &far}) {
-      EXPECT_GT(one->modelled, 7500);
+      EXPECT_GT(one->modelled, 1000) << "where it foretells better than holding does";
       EXPECT_GT(one->most_deviation_m, 0) << "neither knows what the other does before it is told";
-      EXPECT_LE(one->most_deviation_m, 0.02) << "beyond that a mass begins anew";
+      EXPECT_LE(one->most_deviation_m, 0.02);
       EXPECT_GT(one->pushed_Ns, 1);
     }
   }

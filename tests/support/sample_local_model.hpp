@@ -25,21 +25,39 @@ inline local_model::Surface pad() {
           .others_move_it = true};
 }
 
-/// A puck of 125 g that pushes another one along x, 62.5 mm before a wall.
+/// A puck of 125 g that pushes a button of 250 g along x, 62.5 mm before a wall, and lies on a table.
 inline local_model::Mass puck() {
-  return {.id = 9,
-          .force_N = {-0.5, 0, 0},
-          .place_m = {0.25, 0.5, 0},
-          .velocity_m_per_s = {0.125, 0, 0},
-          .bias_m_per_s2 = {-1, 0, 0.5},
-          .stiffness_N_per_m = 500,
-          .damping_N_s_per_m = 4,
-          .mobility_per_kg = Eigen::Vector3d(4, 8, 8).asDiagonal(),
-          .free_per_kg = Eigen::Vector3d(8, 8, 8).asDiagonal(),
-          .push = {1, 0, 0},
-          .travel_m = 0.0625,
-          .radius_m = 0.25,
-          .others_move_it = true};
+  local_model::Mass mass{.id = 9,
+                         .force_N = {-0.5, 0, 0},
+                         .place_m = {0.25, 0.5, 0},
+                         .stiffness_N_per_m = 500,
+                         .damping_N_s_per_m = 4,
+                         .body = {.velocity_m_per_s = {0.125, 0, 0},
+                                  .bias_m_per_s2 = {-1, 0, 0.5},
+                                  .mobility_per_kg = Eigen::Vector3d(8, 8, 8).asDiagonal(),
+                                  .spring_N_per_m = 16,
+                                  .damper_N_s_per_m = 0.5,
+                                  .dry_friction_N = 0.25},
+                         .contact_count = 2,
+                         .radius_m = 0.25,
+                         .others_move_it = true};
+  mass.contacts[0] = {.normal = {-1, 0, 0},
+                      .gap_m = -0.0009765625,
+                      .compliance_per_kg = 0.75,
+                      .stiffness_per_s2 = 60000,
+                      .damping_per_s = 512,
+                      .friction = 0.5,
+                      .radius_m = 0.03125,
+                      .travel_m = 0.0625,
+                      .return_m = 0.5,
+                      .met = {.velocity_m_per_s = {0.125, 0, 0.5},
+                              .bias_m_per_s2 = {0.5, 0, -1},
+                              .mobility_per_kg = Eigen::Vector3d(4, 2, 1).asDiagonal(),
+                              .spring_N_per_m = 400,
+                              .damper_N_s_per_m = 2,
+                              .dry_friction_N = 0.125}};
+  mass.contacts[1] = {.normal = {0, 0, 1}, .gap_m = 0.5, .compliance_per_kg = 1, .stiffness_per_s2 = 1000};
+  return mass;
 }
 
 inline local_model::Field eddy() {

@@ -1,9 +1,8 @@
 #include "forcebound/local_model/local_model.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
-
-#include "forcebound/local_model/eigenvalues.hpp"
 
 namespace forcebound::local_model {
 namespace {
@@ -18,11 +17,15 @@ constexpr double kDamped_N_s_per_m = 1e5;
 constexpr double kLightest_kg = 1e-4;
 constexpr double kShortest_s = 1e-4;
 constexpr double kLongest_s = 1e4;
-constexpr double kStep_s = 1e-3;
 constexpr double kRough = 100;
+constexpr double kDeep_m = 1;
+constexpr double kCompliant_per_kg = 1e6;
+constexpr double kStiff_per_s2 = 1e9;
+constexpr double kDamped_per_s = 1e5;
 
 // Numbers travel with 24 bits, and a normal may have been rounded before.
 constexpr double kRounding = 1e-4;
+constexpr double kRoundingOfNumbers = 1e-6;
 
 bool is_within(const Point& point, double most) noexcept { return point.allFinite() && point.norm() <= most; }
 
@@ -33,7 +36,7 @@ bool is_unit(const Point& direction) noexcept {
 }
 
 /// Symmetric, and no eigenvalue below zero or above the most.
-bool is_between_zero_and(const Eigen::Matrix3d& matrix, double most) noexcept {
+bool is_between_zero_and(const Eigen::Matrix3d& matrix, double most, double rounding = kRounding) noexcept {
   if (!matrix.allFinite()) return false;
   const double size = matrix.cwiseAbs().maxCoeff();
   if (!(size <= most)) return false;
@@ -41,11 +44,7 @@ bool is_between_zero_and(const Eigen::Matrix3d& matrix, double most) noexcept {
   if ((matrix - matrix.transpose()).cwiseAbs().maxCoeff() > kRounding * size) return false;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(matrix / size, Eigen::EigenvaluesOnly);
   if (solver.info() != Eigen::Success) return false;
-  return solver.eigenvalues().minCoeff() >= -kRounding && solver.eigenvalues().maxCoeff() * size <= most;
-}
-
-bool is_stable(const Mass& mass, double most_per_kg) noexcept {
-  return kStep_s * (kStep_s * mass.stiffness_N_per_m + 2 * mass.damping_N_s_per_m) * most_per_kg < 4;
+  return solver.eigenvalues().minCoeff() >= -rounding && solver.eigenvalues().maxCoeff() * size <= most;
 }
 
 bool is_right(const Surface& surface) noexcept {
@@ -62,17 +61,28 @@ bool is_right(const Surface& surface) noexcept {
          surface.radius_m > 0 && surface.radius_m <= kFar_m;
 }
 
+bool is_right(const Body& body) noexcept {
+  return is_within(body.velocity_m_per_s, kFast_m_per_s) && is_within(body.bias_m_per_s2, kHard_m_per_s2) &&
+         is_between_zero_and(body.mobility_per_kg, 1 / kLightest_kg, kRoundingOfNumbers) &&
+         is_from_zero_to(body.spring_N_per_m, kStiff_N_per_m) &&
+         is_from_zero_to(body.damper_N_s_per_m, kDamped_N_s_per_m) && is_from_zero_to(body.dry_friction_N, kStrong_N);
+}
+
+bool is_right(const Contact& contact) noexcept {
+  return is_unit(contact.normal) && contact.gap_m >= -kDeep_m && contact.gap_m <= kFar_m &&
+         is_from_zero_to(contact.compliance_per_kg, kCompliant_per_kg) &&
+         is_from_zero_to(contact.stiffness_per_s2, kStiff_per_s2) &&
+         is_from_zero_to(contact.damping_per_s, kDamped_per_s) && is_from_zero_to(contact.friction, kRough) &&
+         is_right(contact.met) && contact.radius_m > 0 && contact.travel_m >= 0 && contact.return_m >= 0;
+}
+
 bool is_right(const Mass& mass) noexcept {
-  const bool placed = is_within(mass.force_N, kStrong_N) && is_within(mass.place_m, kFar_m) &&
-                      is_within(mass.velocity_m_per_s, kFast_m_per_s) && is_within(mass.bias_m_per_s2, kHard_m_per_s2);
-  const bool coupled = is_from_zero_to(mass.stiffness_N_per_m, kStiff_N_per_m) &&
-                       is_from_zero_to(mass.damping_N_s_per_m, kDamped_N_s_per_m) &&
-                       is_between_zero_and(mass.free_per_kg, 1 / kLightest_kg);
-  if (!placed || !coupled) return false;
-  const double most_per_kg = eigenvalues(mass.free_per_kg).maxCoeff();
-  const bool pushes = mass.push.allFinite() && (mass.push.isZero(0) || is_unit(mass.push));
-  return is_stable(mass, most_per_kg) && pushes &&
-         is_between_zero_and(mass.mobility_per_kg, (1 + 100 * kRounding) * most_per_kg) && mass.travel_m >= 0 &&
+  return is_within(mass.force_N, kStrong_N) && is_within(mass.place_m, kFar_m) &&
+         is_from_zero_to(mass.stiffness_N_per_m, kStiff_N_per_m) &&
+         is_from_zero_to(mass.damping_N_s_per_m, kDamped_N_s_per_m) && is_right(mass.body) &&
+         mass.contact_count <= Mass::kContactsMax &&
+         std::all_of(mass.contacts.begin(), mass.contacts.begin() + mass.contact_count,
+                     [](const Contact& contact) { return is_right(contact); }) &&
          mass.radius_m > 0 && mass.radius_m <= kFar_m;
 }
 
@@ -102,8 +112,6 @@ bool is_sound(const LocalModel& model) noexcept {
   }
   return (!model.has_mass || is_right(model.mass)) && (!model.has_field || is_right(model.field));
 }
-
-bool is_stable(const Mass& mass) noexcept { return is_stable(mass, eigenvalues(mass.free_per_kg).maxCoeff()); }
 
 bool add(const LocalModel& part, LocalModel& to) noexcept {
   const bool fits = part.surface_count <= LocalModel::kSurfacesMax - to.surface_count &&

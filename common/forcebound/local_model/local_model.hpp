@@ -41,31 +41,63 @@ struct Surface {
   bool others_move_it = false;
 };
 
-/// A mass that the device drags and pushes through a virtual coupling. Its place is y, moved by the force f_c,
+/// How a body moves under a force f at one point of it, near the state told of: the point goes by z from there,
 ///
-///     f_c = K (x - y) + B (x' - y')    on the mass,    f = -f_c on the device
-///     y'' = b + W f_c    while u . W_0 f_c >= 0,    else    b + W_0 f_c
+///     z'' = b + W (f - k z - c z' + d),    |d| <= F, against z'
 ///
-/// and it goes no farther along u than s from where it was told to be: there it meets something that does not give way.
-/// In the coupling x - y counts up to kReachMost_m, x' and y' up to kSpeedMost_m_per_s: more than any hand, and less
-/// than what makes bodies fly apart.
+/// with the springs and dampers of its joints along the way that it is pushed, and dry friction on what stands still.
+struct Body {
+  Point velocity_m_per_s = Point::Zero();                     ///< z' when it was told
+  Point bias_m_per_s2 = Point::Zero();                        ///< b: by gravity, and by its springs where it was
+  Eigen::Matrix3d mobility_per_kg = Eigen::Matrix3d::Zero();  ///< W, with all that it carries along; symmetric, >= 0
+  double spring_N_per_m = 0;                                  ///< k
+  double damper_N_s_per_m = 0;                                ///< c
+  double dry_friction_N = 0;                                  ///< F
+};
+
+/// What a mass touches or may soon meet. With r the gap, r' = n . (y' - z'), the force on the mass is n l + t,
+///
+///     l (n . (W_y + W_z) n + R) = -d r' - s r - a,  l >= 0    while r < 0
+///     t (... + R) = -d v_t - a_t,  |t| <= mu l                along the surface
+///
+/// where a is the acceleration of r without l, and v_t the speed along the surface: MuJoCo's contact, which has the
+/// reference acceleration -d r' - s r.
+struct Contact {
+  Point normal = Point::UnitX();                              ///< n, unit, out of what is met
+  double gap_m = 0;                                           ///< r; below zero: in it
+  double compliance_per_kg = 0;                               ///< R
+  double stiffness_per_s2 = 0;                                ///< s
+  double damping_per_s = 0;                                   ///< d
+  double friction = 0;                                        ///< mu
+  double radius_m = std::numeric_limits<double>::infinity();  ///< it is there so far along the surface, no farther
+  double travel_m = std::numeric_limits<double>::infinity();  ///< so far along -n what is met goes: there it is stopped
+  double return_m = std::numeric_limits<double>::infinity();  ///< and so far along n
+  Body met{};                                                 ///< there
+
+  [[nodiscard]] bool moves() const noexcept { return !met.mobility_per_kg.isZero(0); }
+};
+
+/// A mass that the device drags through a virtual coupling, and what it touches. Its place is y, moved as a Body by
+///
+///     f_c = K (x - y) + B (x' - y')    of the coupling, -f_c on the device
+///
+/// and by its contacts. In the coupling x - y counts up to kReachMost_m, x' and y' up to kSpeedMost_m_per_s: more than
+/// any hand, and less than what makes bodies fly apart.
 struct Mass {
   static constexpr double kReachMost_m = 0.2;
   static constexpr double kSpeedMost_m_per_s = 5;
+  static constexpr std::uint32_t kContactsMax = 3;
 
   std::uint32_t id = 0;
-  Point force_N = Point::Zero();                              ///< of it in the answer
-  Point place_m = Point::Zero();                              ///< y when it was told
-  Point velocity_m_per_s = Point::Zero();                     ///< y'
-  Point bias_m_per_s2 = Point::Zero();                        ///< b, of what else pulls at it
-  double stiffness_N_per_m = 0;                               ///< K of the coupling
-  double damping_N_s_per_m = 0;                               ///< B of the coupling
-  Eigen::Matrix3d mobility_per_kg = Eigen::Matrix3d::Zero();  ///< W, with all that it pushes; symmetric, <= W_0
-  Eigen::Matrix3d free_per_kg = Eigen::Matrix3d::Zero();      ///< W_0, as joints alone leave it; symmetric
-  Point push = Point::Zero();                                 ///< u, unit; zero: nothing is in its way
-  double travel_m = std::numeric_limits<double>::infinity();  ///< s
-  double radius_m = 0;                                        ///< it holds for devices this far from `place_m`
-  bool others_move_it = false;                                ///< as of a surface
+  Point force_N = Point::Zero();  ///< of it in the answer
+  Point place_m = Point::Zero();  ///< y when it was told
+  double stiffness_N_per_m = 0;   ///< K of the coupling
+  double damping_N_s_per_m = 0;   ///< B of the coupling
+  Body body{};
+  std::array<Contact, kContactsMax> contacts{};
+  std::uint32_t contact_count = 0;
+  double radius_m = 0;          ///< it holds for devices this far from `place_m`
+  bool others_move_it = false;  ///< as of a surface
 };
 
 /// A force with its first derivative:    f = f_0 + J (x - x_0).
@@ -106,14 +138,9 @@ struct LocalModel {
 };
 
 /// Whether it is what the definitions above ask for: finite, within bounds far beyond what is real, with unit normals
-/// and with stiffness and mobility whose least eigenvalue is above -1e-4 of the largest: the numbers travel with 24
-/// bits. A mass must be stable on its coupling in steps of a millisecond. Real time: noexcept, no allocation.
+/// and with stiffness whose least eigenvalue is above -1e-4 of the largest, and mobility whose is above -1e-6: the
+/// numbers travel with 24 bits. Real time: noexcept, no allocation.
 [[nodiscard]] bool is_sound(const LocalModel& model) noexcept;
-
-/// Whether a client can move it on its coupling in steps of a millisecond: Jury's criterion for an explicit step of
-/// position and velocity, h^2 K/m + 2 h B/m < 4, by the largest 1/m of `free_per_kg`, which is finite and symmetric.
-/// Real time.
-[[nodiscard]] bool is_stable(const Mass& mass) noexcept;
 
 /// Adds the models of another part of the environment. False, with nothing done, if there is no room for all of them:
 /// their forces are then held. Real time.

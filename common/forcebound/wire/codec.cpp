@@ -138,9 +138,8 @@ void Codec::Storage::reserve_models() {
              surface.mutable_stiffness_n_per_m(), surface.mutable_velocity_m_per_s(),
              surface.mutable_acceleration_m_per_s2()});
     v1::ModelMass& mass = *force.add_model_mass();
-    reserve({mass.mutable_force_n(), mass.mutable_place_m(), mass.mutable_velocity_m_per_s(),
-             mass.mutable_bias_m_per_s2(), mass.mutable_mobility_per_kg(), mass.mutable_free_per_kg(),
-             mass.mutable_push()});
+    reserve({mass.mutable_force_n(), mass.mutable_place_m(), mass.mutable_body(), mass.mutable_contacts(),
+             mass.mutable_met()});
     v1::ModelField& field = *force.add_model_field();
     reserve({field.mutable_force_n(), field.mutable_place_m(), field.mutable_jacobian_n_per_m()});
   }
@@ -326,6 +325,20 @@ Decoded to_value(const v1::ViewPiece& from, std::size_t) noexcept {
                            .content = std::as_bytes(std::span(from.content()))}};
 }
 
+/// A surface before all others, and a mass, which has the most to tell, at last. False if there is none left.
+bool leave_out_a_model(v1::EnvironmentForce& body) noexcept {
+  if (body.model_surface_size() > 0) {
+    body.mutable_model_surface()->RemoveLast();
+  } else if (body.model_field_size() > 0) {
+    body.clear_model_field();
+  } else if (body.model_mass_size() > 0) {
+    body.clear_model_mass();
+  } else {
+    return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 template <class Proto>
@@ -333,12 +346,7 @@ std::span<const std::byte> Codec::Storage::frame(std::size_t kind, Proto& body) 
   std::size_t bytes = kHeaderBytes + body.ByteSizeLong();
   if constexpr (std::is_same_v<Proto, v1::EnvironmentForce>) {
     // Models that do not fit beside all else are left out, and their forces held.
-    if (bytes > kFrameBytesMax) {
-      body.clear_model_surface();
-      body.clear_model_mass();
-      body.clear_model_field();
-      bytes = kHeaderBytes + body.ByteSizeLong();
-    }
+    while (bytes > kFrameBytesMax && leave_out_a_model(body)) bytes = kHeaderBytes + body.ByteSizeLong();
   }
   FORCEBOUND_ASSERT(bytes <= kFrameBytesMax, "texts are cut, and pieces made, so that their message fits a datagram");
   body.SerializeWithCachedSizesToArray(reinterpret_cast<std::uint8_t*>(datagram.data() + kHeaderBytes));

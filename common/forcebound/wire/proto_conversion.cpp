@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <type_traits>
 
 #include "forcebound/wire/internal/proto_conversion.hpp"
@@ -130,34 +131,106 @@ local_model::Surface to_model(const v1::ModelSurface& from) noexcept {
           .radius_m = static_cast<double>(from.radius_m())};
 }
 
+// The numbers of a body and of a contact, in the order of the schema: both ways.
+constexpr int kBodyNumbers = 15;
+constexpr int kContactNumbers = 11;
+
+void add_number(double number, RepeatedFloats* to) noexcept { to->Add(static_cast<float>(number)); }
+
+void add(const local_model::Body& from, RepeatedFloats* to) noexcept {
+  add_point(from.velocity_m_per_s, to);
+  add_point(from.bias_m_per_s2, to);
+  add_symmetric(from.mobility_per_kg, to);
+  for (const double number : {from.spring_N_per_m, from.damper_N_s_per_m, from.dry_friction_N}) add_number(number, to);
+}
+
+void add(const local_model::Contact& from, RepeatedFloats* to) noexcept {
+  add_point(from.normal, to);
+  for (const double number : {from.gap_m, from.compliance_per_kg, from.stiffness_per_s2, from.damping_per_s,
+                              from.friction, from.radius_m, from.travel_m, from.return_m})
+    add_number(number, to);
+}
+
+/// Takes one number after the other.
+class NumbersOf {
+ public:
+  NumbersOf(const RepeatedFloats& from, int first) noexcept : from_(from), next_(first) {}
+  double number() noexcept { return static_cast<double>(from_.Get(next_++)); }
+  Point point() noexcept {
+    Point to;
+    for (double& axis : to) axis = number();
+    return to;
+  }
+  Eigen::Matrix3d symmetric() noexcept {
+    Eigen::Matrix3d to;
+    for (Eigen::Index row = 0; row < 3; ++row) {
+      for (Eigen::Index column = row; column < 3; ++column) to(row, column) = to(column, row) = number();
+    }
+    return to;
+  }
+  // Members in the order in which they are read.
+  local_model::Body body() noexcept {
+    return {.velocity_m_per_s = point(),
+            .bias_m_per_s2 = point(),
+            .mobility_per_kg = symmetric(),
+            .spring_N_per_m = number(),
+            .damper_N_s_per_m = number(),
+            .dry_friction_N = number()};
+  }
+  local_model::Contact contact() noexcept {
+    return {.normal = point(),
+            .gap_m = number(),
+            .compliance_per_kg = number(),
+            .stiffness_per_s2 = number(),
+            .damping_per_s = number(),
+            .friction = number(),
+            .radius_m = number(),
+            .travel_m = number(),
+            .return_m = number()};
+  }
+
+ private:
+  const RepeatedFloats& from_;
+  int next_;
+};
+
 void fill(const local_model::Mass& from, v1::ModelMass& to) noexcept {
   to.set_id(from.id);
   add_point(from.force_N, to.mutable_force_n());
   add_point(from.place_m, to.mutable_place_m());
-  add_point_unless_zero(from.velocity_m_per_s, to.mutable_velocity_m_per_s());
-  add_point_unless_zero(from.bias_m_per_s2, to.mutable_bias_m_per_s2());
   to.set_stiffness_n_per_m(static_cast<float>(from.stiffness_N_per_m));
   to.set_damping_n_s_per_m(static_cast<float>(from.damping_N_s_per_m));
-  add_symmetric(from.mobility_per_kg, to.mutable_mobility_per_kg());
-  if (from.free_per_kg != from.mobility_per_kg) add_symmetric(from.free_per_kg, to.mutable_free_per_kg());
-  add_point_unless_zero(from.push, to.mutable_push());
-  to.set_travel_m(static_cast<float>(from.travel_m));
+  add(from.body, to.mutable_body());
+  const auto contacts = std::span(from.contacts).first(std::min(from.contact_count, local_model::Mass::kContactsMax));
+  const auto last = std::find_if(contacts.rbegin(), contacts.rend(), [](const auto& one) { return one.moves(); });
+  for (const local_model::Contact& contact : contacts) add(contact, to.mutable_contacts());
+  for (const local_model::Contact& contact : contacts.first(static_cast<std::size_t>(contacts.rend() - last)))
+    add(contact.met, to.mutable_met());
   to.set_radius_m(static_cast<float>(from.radius_m));
 }
 
+/// Of another number of numbers than a mass has it becomes unsound.
 local_model::Mass to_model(const v1::ModelMass& from) noexcept {
-  return {.id = from.id(),
-          .force_N = point_of(from.force_n()),
-          .place_m = point_of(from.place_m()),
-          .velocity_m_per_s = point_or_zero(from.velocity_m_per_s()),
-          .bias_m_per_s2 = point_or_zero(from.bias_m_per_s2()),
-          .stiffness_N_per_m = static_cast<double>(from.stiffness_n_per_m()),
-          .damping_N_s_per_m = static_cast<double>(from.damping_n_s_per_m()),
-          .mobility_per_kg = symmetric_of(from.mobility_per_kg()),
-          .free_per_kg = symmetric_of(from.free_per_kg().empty() ? from.mobility_per_kg() : from.free_per_kg()),
-          .push = point_or_zero(from.push()),
-          .travel_m = static_cast<double>(from.travel_m()),
-          .radius_m = static_cast<double>(from.radius_m())};
+  constexpr int kMost = static_cast<int>(local_model::Mass::kContactsMax);
+  local_model::Mass to{.id = from.id(),
+                       .force_N = point_of(from.force_n()),
+                       .place_m = point_of(from.place_m()),
+                       .stiffness_N_per_m = static_cast<double>(from.stiffness_n_per_m()),
+                       .damping_N_s_per_m = static_cast<double>(from.damping_n_s_per_m()),
+                       .contact_count = local_model::Mass::kContactsMax + 1,
+                       .radius_m = static_cast<double>(from.radius_m())};
+  const int contacts = from.contacts_size() / kContactNumbers;
+  const int met = from.met_size() / kBodyNumbers;
+  const bool whole = from.contacts_size() % kContactNumbers == 0 && from.met_size() % kBodyNumbers == 0;
+  if (from.body_size() != kBodyNumbers || !whole || contacts > kMost || met > contacts) return to;
+  to.body = NumbersOf(from.body(), 0).body();
+  for (int i = 0; i < contacts; ++i) {
+    local_model::Contact& contact = to.contacts.at(static_cast<std::size_t>(i));
+    contact = NumbersOf(from.contacts(), i * kContactNumbers).contact();
+    if (i < met) contact.met = NumbersOf(from.met(), i * kBodyNumbers).body();
+  }
+  to.contact_count = static_cast<std::uint32_t>(contacts);
+  return to;
 }
 
 void fill(const local_model::Field& from, v1::ModelField& to) noexcept {

@@ -261,6 +261,14 @@ TEST(Codec, GivesATorqueAndAToolBackAndTakesThemForAbsentWhereTheyAre) {
   EXPECT_EQ(round_trip(codec, EnvironmentForce{}).answer.torque_N_m.rows(), 0);
 }
 
+void expect_same(const local_model::Body& body, const local_model::Body& was) {
+  EXPECT_EQ(body.velocity_m_per_s, was.velocity_m_per_s);
+  EXPECT_EQ(body.bias_m_per_s2, was.bias_m_per_s2);
+  EXPECT_EQ(body.mobility_per_kg, was.mobility_per_kg);
+  EXPECT_EQ(std::tie(body.spring_N_per_m, body.damper_N_s_per_m, body.dry_friction_N),
+            std::tie(was.spring_N_per_m, was.damper_N_s_per_m, was.dry_friction_N));
+}
+
 TEST(Codec, GivesLocalModelsBackBitForBitWhereTheirNumbersHave24Bits) {
   Codec codec;
   const local_model::LocalModel sent = std::get<EnvironmentForce>(one_of_each()[4]).answer.model;
@@ -288,14 +296,20 @@ TEST(Codec, GivesLocalModelsBackBitForBitWhereTheirNumbersHave24Bits) {
   EXPECT_EQ(back.mass.id, sent.mass.id);
   EXPECT_EQ(back.mass.force_N, sent.mass.force_N);
   EXPECT_EQ(back.mass.place_m, sent.mass.place_m);
-  EXPECT_EQ(back.mass.velocity_m_per_s, sent.mass.velocity_m_per_s);
-  EXPECT_EQ(back.mass.bias_m_per_s2, sent.mass.bias_m_per_s2);
   EXPECT_EQ(back.mass.stiffness_N_per_m, sent.mass.stiffness_N_per_m);
   EXPECT_EQ(back.mass.damping_N_s_per_m, sent.mass.damping_N_s_per_m);
-  EXPECT_EQ(back.mass.mobility_per_kg, sent.mass.mobility_per_kg);
-  EXPECT_EQ(back.mass.free_per_kg, sent.mass.free_per_kg);
-  EXPECT_EQ(back.mass.push, sent.mass.push);
-  EXPECT_EQ(back.mass.travel_m, sent.mass.travel_m);
+  expect_same(back.mass.body, sent.mass.body);
+  ASSERT_EQ(back.mass.contact_count, sent.mass.contact_count);
+  for (std::size_t i = 0; i < sent.mass.contact_count; ++i) {
+    const local_model::Contact& contact = back.mass.contacts.at(i);
+    const local_model::Contact& was = sent.mass.contacts.at(i);
+    EXPECT_EQ(contact.normal, was.normal);
+    EXPECT_EQ(std::tie(contact.gap_m, contact.compliance_per_kg, contact.stiffness_per_s2, contact.damping_per_s,
+                       contact.friction, contact.radius_m, contact.travel_m, contact.return_m),
+              std::tie(was.gap_m, was.compliance_per_kg, was.stiffness_per_s2, was.damping_per_s, was.friction,
+                       was.radius_m, was.travel_m, was.return_m));
+    expect_same(contact.met, was.met);
+  }
   EXPECT_EQ(back.mass.radius_m, sent.mass.radius_m);
   EXPECT_TRUE(back.mass.others_move_it);
   ASSERT_TRUE(back.has_field);
@@ -502,6 +516,8 @@ local_model::LocalModel most_models() {
     surface.others_move_it = true;
   }
   most.mass.id = ~0U;
+  most.mass.contacts[2] = most.mass.contacts[1];
+  most.mass.contact_count = local_model::Mass::kContactsMax;
   most.mass.others_move_it = true;
   return most;
 }
@@ -538,16 +554,22 @@ TEST(Codec, SaysTheMostThatAnyHalvesOfALawAndModelsCanSayInOneFrame) {
   const EnvironmentForce most = longest_answer(vector_of({1, 2, 3}));
   EXPECT_LE(codec.encode(most).size(), kFrameBytesMax);
   EXPECT_EQ(round_trip(codec, most).server_law_numbers, most.server_law_numbers);
-  EXPECT_EQ(round_trip(codec, most).answer.model.surface_count, local_model::LocalModel::kSurfacesMax);
+  EXPECT_EQ(round_trip(codec, most).answer.model.surface_count, local_model::LocalModel::kSurfacesMax - 1);
+  EXPECT_TRUE(round_trip(codec, most).answer.model.has_mass);
   EXPECT_TRUE(round_trip(codec, most).answer.model.has_field);
+  EnvironmentForce without_a_mass = most;
+  without_a_mass.answer.model.has_mass = false;
+  EXPECT_EQ(round_trip(codec, without_a_mass).answer.model.surface_count, local_model::LocalModel::kSurfacesMax);
 }
 
-TEST(Codec, LeavesOutModelsThatDoNotFitBesideSixAxes) {
+TEST(Codec, LeavesOutTheSurfacesThatDoNotFitBesideSixAxes) {
   Codec codec;
   const EnvironmentForce most = longest_answer(vector_of({1, 2, 3, 4, 5, 6}));
   EXPECT_LE(codec.encode(most).size(), kFrameBytesMax);
   const EnvironmentForce back = round_trip(codec, most);
-  EXPECT_TRUE(back.answer.model.empty());
+  EXPECT_LT(back.answer.model.surface_count, local_model::LocalModel::kSurfacesMax);
+  EXPECT_TRUE(back.answer.model.has_mass);
+  EXPECT_TRUE(is_sound(back.answer.model));
   EXPECT_EQ(back.answer.force, most.answer.force);
   EXPECT_EQ(back.answer.torque_N_m, most.answer.torque_N_m);
 }

@@ -47,7 +47,7 @@ void AnswerRendering::look(const Tick& tick) noexcept {
 
 void AnswerRendering::advance(const ModelAge& age, Nanoseconds now) noexcept {
   for (std::uint32_t i = 0; i < model_.surface_count; ++i) surfaces_.at(i).advance(device_, age, elapsed_s_);
-  if (model_.has_mass) mass_.advance(device_, elapsed_s_, now, share_);
+  mass_.advance(device_, elapsed_s_, now, share_);
   fading_N_ *= std::exp(-elapsed_s_ / kFade_s);
 }
 
@@ -65,8 +65,12 @@ Point AnswerRendering::shown_N(const Sum& sum, double share, const Tick& tick) c
 AnswerRendering::Sum AnswerRendering::sum(const ModelAge& age, double share) const noexcept {
   Sum all;
   const bool goes_on = ended_ != session_;
-  const auto add = [&](double weight, bool still, const Point& force, const Point& in_its_place) {
-    if (!(weight > 0)) return;
+  bool comparable = true;
+  const auto add = [&](double holds, bool still, const Point& force, const Point& in_its_place) {
+    if (!(holds > 0)) return;
+    all.foretells = true;
+    all.foretold_N += holds * (force - in_its_place);
+    const double weight = foresight_.trust() * holds;
     const bool stands = still && goes_on;
     const double own_share = stands ? 1 : share;
     all.stands = all.stands && stands;
@@ -77,6 +81,8 @@ AnswerRendering::Sum AnswerRendering::sum(const ModelAge& age, double share) con
   };
   for (std::uint32_t i = 0; i < model_.surface_count; ++i) {
     const SurfaceContact& surface = surfaces_.at(i);
+    // Friction is the client's alone, and no part of what an answer tells.
+    comparable = comparable && model_.surfaces.at(i).friction == 0;
     add(surface.weight(device_, age), surface.stands(), surface.force_N(device_, age), surface.held_N());
   }
   if (model_.has_mass) {
@@ -84,6 +90,7 @@ AnswerRendering::Sum AnswerRendering::sum(const ModelAge& age, double share) con
     all.stands = all.stands && mass_.stands();
   }
   if (model_.has_field) add(weight(model_.field, device_), false, force_N(model_.field, device_), model_.field.force_N);
+  all.foretells = all.foretells && comparable;
   return all;
 }
 
@@ -120,6 +127,14 @@ void AnswerRendering::store_answer(const wire::EnvironmentForce& newest, const T
   }
 }
 
+/// A mass that has caught up takes its place; what that changes fades.
+void AnswerRendering::fade_over_to_mass(const ModelAge& age, const Tick& tick) noexcept {
+  const Point before_N = shown_N(sum(age, share_), share_, tick);
+  mass_.take_its_place();
+  const Point change_N = before_N - shown_N(sum(age, share_), share_, tick);
+  if (change_N.allFinite()) fading_N_ += change_N;
+}
+
 /// What differs between both fades. Returns what the newest asks for.
 AnswerRendering::Sum AnswerRendering::go_over_to(const wire::EnvironmentForce& newest, const Tick& tick,
                                                  const ModelAge& age_before, double share_before) noexcept {
@@ -133,6 +148,7 @@ AnswerRendering::Sum AnswerRendering::go_over_to(const wire::EnvironmentForce& n
     forget_models();
   }
   store_answer(newest, tick);
+  foresight_.compare(tick.now - time::from_seconds(tick.age.s), held_N(tick.server_parts_alone));
   const Sum next = sum(tick.age, tick.share);
   if (!first && goes_on && (modelled || !model_.empty())) fading_N_ = until_now_N - shown_N(next, tick.share, tick);
   return next;
@@ -145,13 +161,18 @@ AnswerRendering::Rendered AnswerRendering::render(const wire::EnvironmentForce& 
   const ModelAge age = another ? ModelAge{age_.s + elapsed_s_, age_.uncertain_s} : tick.age;
   age_ = tick.age;
   advance(age, tick.now);
+  if (mass_.has_caught_up()) fade_over_to_mass(age, tick);
   const double share_before = std::exchange(share_, tick.share);
   const Sum now = another ? go_over_to(newest, tick, age, share_before) : sum(tick.age, tick.share);
+  const Point held_now_N = held_N(tick.server_parts_alone);
+  foresight_.remember(
+      {.time = tick.now, .modelled = now.foretells, .modelled_N = held_now_N + now.foretold_N, .held_N = held_now_N});
   Point correction_N = now.correction_N;
   if (!model_.empty() || !fading_N_.isZero(0)) {
     const Point all_N = tick.share * held_N(tick.server_parts_alone) + now.correction_N;
     correction_N += fading_N_;
-    if (all_N.norm() > tick.force_N_max) correction_N += local_model::no_longer_than(all_N, tick.force_N_max) - all_N;
+    if (all_N.allFinite() && all_N.norm() > tick.force_N_max)
+      correction_N += local_model::no_longer_than(all_N, tick.force_N_max) - all_N;
   }
   const Eigen::Index rows = tick.place.rows();
   if (!correction_N.allFinite()) {
@@ -165,6 +186,7 @@ AnswerRendering::Rendered AnswerRendering::render(const wire::EnvironmentForce& 
   Rendered rendered{.correction_N = in_rows(correction_N, rows), .held = tick.share > 0 && !whole};
   if (now.weight > 0) rendered.model_N = in_rows(now.model_N, rows);
   rendered.fades = model_.empty() ? held.rows() > 0 : !(whole && now.stands);
+  if (!model_.empty()) rendered.trust = foresight_.trust();
   if (model_.has_mass) rendered.deviation_m = mass_.deviation_m();
   return rendered;
 }

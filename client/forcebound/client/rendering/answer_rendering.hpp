@@ -7,6 +7,7 @@
 
 #include "forcebound/client/rendering/device_point.hpp"
 #include "forcebound/client/rendering/dragged_mass.hpp"
+#include "forcebound/client/rendering/foresight.hpp"
 #include "forcebound/client/rendering/surface_contact.hpp"
 #include "forcebound/control/vector.hpp"
 #include "forcebound/time/clock.hpp"
@@ -18,11 +19,12 @@ using control::Vector;
 
 /// What of the server's newest answer is rendered how: the one place that decides it.
 ///
-///     T = s h + sum of  w_i (s_i f_i(x) - s h_i) + o
+///     T = s h + q sum of  w_i (s_i f_i(x) - s h_i) + o
 ///
 /// h is the answer's force, of which the scene at the client may compute some parts itself; it is held, with the share
 /// s that the late-force policy leaves of it. Of h the parts h_i are replaced by what their local models say at the
-/// device's own place x, as far as these hold there (w_i). Where another answer would request another T on the same
+/// device's own place x, as far as these hold there (w_i) and have foretold the answers better than holding did (q, see
+/// Foresight). Where another answer would request another T on the same
 /// tick, the difference o fades with a time constant of 5 ms: that of what the device can show of both. A force without
 /// a model is held as it is, and nothing fades.
 ///
@@ -53,7 +55,8 @@ class AnswerRendering {
     Vector model_N{};        ///< sum of w_i s_i f_i; no rows: no model counts here
     bool held = false;       ///< some of h is held
     bool fades = true;       ///< some of T would fade if the server were silent
-    double deviation_m = 0;  ///< how far a dragged mass is from where the server has it: being corrected
+    double trust = 1;        ///< in the models, by how they foretold the answers: see Foresight
+    double deviation_m = 0;  ///< how far the newest answer moved a dragged mass
   };
 
   /// The server ended that session.
@@ -71,9 +74,11 @@ class AnswerRendering {
 
  private:
   struct Sum {
-    Point correction_N = Point::Zero();  // sum of w_i (s_i f_i - s h_i)
-    Point model_N = Point::Zero();       // sum of w_i s_i f_i
-    Point replaced_N = Point::Zero();    // sum of w_i h_i
+    bool foretells = false;              // some model holds, whose force an answer tells
+    Point foretold_N = Point::Zero();    // sum of w_i (f_i - h_i)
+    Point correction_N = Point::Zero();  // q sum of w_i (s_i f_i - s h_i)
+    Point model_N = Point::Zero();       // q sum of w_i s_i f_i
+    Point replaced_N = Point::Zero();    // q sum of w_i h_i
     double weight = 0;                   // the largest of what has a share
     bool stands = true;                  // s_i = 1 for all of it
   };
@@ -84,6 +89,7 @@ class AnswerRendering {
   void store_answer(const wire::EnvironmentForce& newest, const Tick& tick) noexcept;
   [[nodiscard]] Sum go_over_to(const wire::EnvironmentForce& newest, const Tick& tick, const ModelAge& age_before,
                                double share_before) noexcept;
+  void fade_over_to_mass(const ModelAge& age, const Tick& tick) noexcept;
   [[nodiscard]] Point shown_N(const Sum& sum, double share, const Tick& tick) const noexcept;
   [[nodiscard]] Sum sum(const ModelAge& age, double share) const noexcept;
   [[nodiscard]] Point held_N(bool server_parts_alone) const noexcept;
@@ -97,6 +103,7 @@ class AnswerRendering {
   local_model::LocalModel model_{};  // less surfaces and mass, whose states follow
   std::array<SurfaceContact, local_model::LocalModel::kSurfacesMax> surfaces_{};
   DraggedMass mass_{};
+  Foresight foresight_{};
   DevicePoint device_{};
   double elapsed_s_ = 0;  // since the tick before
   Nanoseconds last_{0};

@@ -94,6 +94,7 @@ void SessionRecorder::record(const Tick& tick) noexcept {
                          .remote = request.remote_N,
                          .model = request.models.model_N,
                          .model_deviation_m = request.models.deviation_m,
+                         .model_trust = request.models.trust,
                          .handle = tick.reading.handle};
   if (request.local) {
     if (request.local_scene != std::exchange(local_scene_, request.local_scene)) local_since_ = tick.now;

@@ -49,21 +49,40 @@ local_model::Surface lying_surface(Draw& draw, const wire::EnvironmentForce& ans
   return surface;
 }
 
+local_model::Body lying_body(Draw& draw, double mass_kg) {
+  return {.velocity_m_per_s = draw.vector(3, draw.one_of({0.0, 0.5, 50.0})),
+          .bias_m_per_s2 = draw.vector(3, draw.one_of({0.0, 10.0, 5e3})),
+          .mobility_per_kg = matrix_between_zero_and(draw, draw.one_of({0.0, 0.1, 1.0}) / mass_kg),
+          .spring_N_per_m = draw.one_of({0.0, 400.0, 9e6}),
+          .damper_N_s_per_m = draw.one_of({0.0, 4.0, 9e4}),
+          .dry_friction_N = draw.one_of({0.0, 3.0, 9e5})};
+}
+
+local_model::Contact lying_contact(Draw& draw) {
+  local_model::Contact contact{.normal = draw.direction(3, 1),
+                               .gap_m = draw.one_of({-0.9, -1e-3, 0.0, 0.02}),
+                               .compliance_per_kg = draw.one_of({0.0, 1.0, 9e5}),
+                               .stiffness_per_s2 = draw.one_of({0.0, 6e4, 9e8}),
+                               .damping_per_s = draw.one_of({0.0, 500.0, 9e4}),
+                               .friction = draw.one_of({0.0, 0.5, 90.0})};
+  if (draw.chance(0.5)) contact.radius_m = draw.one_of({1e-6, 5e-3, 100.0});
+  if (draw.chance(0.5)) contact.travel_m = draw.one_of({0.0, 1e-3, 0.1});
+  if (draw.chance(0.5)) contact.return_m = draw.one_of({0.0, 1e-3, 0.1});
+  if (draw.chance(0.7)) contact.met = lying_body(draw, draw.one_of({2e-4, 0.03, 10.0}));
+  return contact;
+}
+
 local_model::Mass lying_mass(Draw& draw, const wire::EnvironmentForce& answer) {
   local_model::Mass mass;
   mass.id = static_cast<std::uint32_t>(draw.index(2));
   mass.force_N = lying_force_N(draw);
   mass.place_m = place_near(draw, answer);
-  mass.velocity_m_per_s = draw.vector(3, draw.one_of({0.0, 0.5, 50.0}));
-  mass.bias_m_per_s2 = draw.vector(3, draw.one_of({0.0, 10.0, 5e3}));
   const double mass_kg = draw.one_of({2e-4, 0.03, 10.0});
-  // Up to where the coupling stops being stable.
-  mass.stiffness_N_per_m = mass_kg * draw.one_of({1e3, 1e5, 1.9e6});
-  mass.damping_N_s_per_m = mass_kg * draw.one_of({0.0, 10.0, 1e3});
-  mass.mobility_per_kg = matrix_between_zero_and(draw, draw.one_of({0.0, 0.1, 1.0}) / mass_kg);
-  mass.free_per_kg = matrix_between_zero_and(draw, 1 / mass_kg);
-  if (draw.chance(0.5)) mass.push = draw.direction(3, 1);
-  if (draw.chance(0.5)) mass.travel_m = draw.one_of({0.0, 1e-3, 0.1});
+  mass.stiffness_N_per_m = mass_kg * draw.one_of({1e3, 1e5, 1e7});
+  mass.damping_N_s_per_m = mass_kg * draw.one_of({0.0, 10.0, 5e3});
+  mass.body = lying_body(draw, mass_kg);
+  mass.contact_count = static_cast<std::uint32_t>(draw.index(local_model::Mass::kContactsMax + 1));
+  for (std::uint32_t i = 0; i < mass.contact_count; ++i) mass.contacts.at(i) = lying_contact(draw);
   mass.radius_m = draw.one_of({1e-3, 0.4, 100.0});
   mass.others_move_it = draw.chance(0.5);
   return mass;
@@ -91,7 +110,7 @@ void spoil_model(Draw& draw, LocalModel& model) {
       model.surfaces[0].place_m.x() = bad;
       break;
     case 2:
-      model.mass.free_per_kg(1, 1) = bad;
+      model.mass.body.mobility_per_kg(1, 1) = bad;
       break;
     case 3:
       model.surfaces[0].friction = bad;

@@ -181,11 +181,11 @@ TEST_F(RenderedAnswer, GoesOnWhereAMovingSurfaceWouldBeByNowWhenAnAnswerHasNoMod
 TEST_F(RenderedAnswer, GoesOnWhereItWasWhenTheCouplingOfAMassIsAnother) {
   // Too heavy to move in the time that is looked at.
   const auto receive_mass = [this](double stiffness_N_per_m) {
-    receive(0);
+    receive(5);
     newest.answer.model.mass = {.id = 1,
+                                .force_N = {0, 0, 5},
                                 .stiffness_N_per_m = stiffness_N_per_m,
-                                .mobility_per_kg = 1e-4 * Eigen::Matrix3d::Identity(),
-                                .free_per_kg = 1e-4 * Eigen::Matrix3d::Identity(),
+                                .body = {.mobility_per_kg = 1e-4 * Eigen::Matrix3d::Identity()},
                                 .radius_m = 1};
     newest.answer.model.has_mass = true;
   };
@@ -214,6 +214,7 @@ TEST_F(RenderedAnswer, KeepsASurfaceThatStandsStillWhenTheServerIsSilent) {
   receive_pad(0.002, 1);
   EXPECT_NEAR(settled_at(-0.003), 4, 1e-6);
   EXPECT_TRUE(rendered.fades) << "what else there is";
+  answers = {};  // so that nothing was foretold
   receive_pad(0.002);
   EXPECT_NEAR(settled_at(-0.003), 3, 1e-6);
   EXPECT_FALSE(rendered.fades);
@@ -229,11 +230,9 @@ TEST_F(RenderedAnswer, KeepsASurfaceThatStandsStillWhenTheServerIsSilent) {
 TEST_F(RenderedAnswer, KeepsADraggedMassButNotWhatElsePullsAtItWhenTheServerIsSilent) {
   receive(0);
   newest.answer.model.mass = {.id = 1,
-                              .bias_m_per_s2 = {0, 0, 1},
                               .stiffness_N_per_m = 500,
                               .damping_N_s_per_m = 20,
-                              .mobility_per_kg = Eigen::Matrix3d::Identity(),
-                              .free_per_kg = Eigen::Matrix3d::Identity(),
+                              .body = {.bias_m_per_s2 = {0, 0, 1}, .mobility_per_kg = Eigen::Matrix3d::Identity()},
                               .radius_m = 1};
   newest.answer.model.has_mass = true;
   (void)at(0);
@@ -276,8 +275,7 @@ TEST_F(RenderedAnswer, LetsAMassThatOthersCanMoveFadeWhenTheServerIsSilent) {
   newest.answer.model.mass = {.id = 1,
                               .stiffness_N_per_m = 500,
                               // Too heavy to move in the time that is looked at.
-                              .mobility_per_kg = 1e-4 * Eigen::Matrix3d::Identity(),
-                              .free_per_kg = 1e-4 * Eigen::Matrix3d::Identity(),
+                              .body = {.mobility_per_kg = 1e-4 * Eigen::Matrix3d::Identity()},
                               .radius_m = 1,
                               .others_move_it = true};
   newest.answer.model.has_mass = true;
@@ -329,6 +327,26 @@ TEST_F(RenderedAnswer, TakesTheRestAloneWhereTheSceneRunsAtTheClient) {
   EXPECT_FALSE(rendered.held);
 }
 
+// A force of 2 N that never changes, told 100 ms late, with a model that foretells up to twice as much.
+TEST_F(RenderedAnswer, GivesUpAModelThatForetellsWorseThanHolding) {
+  const auto receive_wrong = [this] {
+    receive_late(resting_pad(0.002));
+    newest.answer.model.surfaces[0].radius_m = 0.1;
+  };
+  receive_wrong();
+  EXPECT_NEAR(at(-0.004), 4, 1e-6);
+  EXPECT_EQ(rendered.trust, 1) << "nothing was compared yet";
+  for (int i = 0; i < 500; ++i) {
+    receive_wrong();
+    (void)at(-0.004);
+  }
+  EXPECT_EQ(rendered.trust, 0);
+  EXPECT_NEAR(at(-0.004), 2, 1e-6) << "as was said";
+  EXPECT_EQ(rendered.model_N.rows(), 0);
+  EXPECT_TRUE(rendered.held);
+  EXPECT_TRUE(rendered.fades);
+}
+
 // A pad that goes up and down by 5 mm once a second. Its velocity alone would leave a third of the held force's error.
 TEST_F(RenderedAnswer, FadesFromTheFrictionOfTheAnswerBefore) {
   double x_m = 0;
@@ -340,6 +358,7 @@ TEST_F(RenderedAnswer, FadesFromTheFrictionOfTheAnswerBefore) {
   newest.answer.model.surfaces[0].friction = 0.5;
   EXPECT_NEAR(slide(40), -1, 1e-6);
   receive_pad(0.002);
+  newest.motion_device_time = {};  // nothing was foretold of that time
   newest.answer.model.surfaces[0].friction = 0.1;
   EXPECT_NEAR(slide(1), -1, 0.2) << "no step";
   EXPECT_NEAR(slide(60), -0.2, 1e-3);
@@ -396,17 +415,19 @@ TEST_F(RenderedAnswer, OfAViscoelasticPadIsThatOfTheDevicesOwnMotion) {
 // It comes at 1 mm/s, and goes on for 0.25 s of an outage of 2 s.
 TEST_F(RenderedAnswer, RelaxesFromTheMotionThatWasRenderedAlone) {
   age_most_s = 0.25;
-  const auto receive_coming = [this] {
-    receive_pad(0.003);
+  const auto receive_coming = [this](double force_N) {
+    receive_pad(0.003, force_N - 3);
+    newest.answer.model.surfaces[0].force_N.z() = force_N;
     local_model::Surface& pad = newest.answer.model.surfaces[0];
     pad.velocity_m_per_s.z() = 0.001;
     pad.relaxing_N_per_m = 1000;
     pad.relaxation_s = 10;
   };
-  receive_coming();
+  receive_coming(3);
   for (int i = 0; i < 2000; ++i) (void)at(-0.003);
-  EXPECT_NEAR(at(-0.003), 3.25 + 0.25 * std::exp(-0.19), 0.01);
-  receive_coming();
+  const double foretold_N = at(-0.003);
+  EXPECT_NEAR(foretold_N, 3.25 + 0.25 * std::exp(-0.19), 0.01);
+  receive_coming(foretold_N);
   EXPECT_NEAR(settled_at(-0.003), 3.1 + 0.25 * std::exp(-0.2) + 0.1, 0.01);
 }
 
@@ -425,8 +446,11 @@ TEST_F(RenderedAnswer, StaysFiniteAndDoesNotAllocateWhateverComes) {
     newest.answer.model.surfaces[0].place_m = {wild(), wild(), wild()};
     newest.answer.model.surfaces[0].radius_m = std::abs(wild());
     newest.answer.model.mass.place_m.x() = wild();
-    newest.answer.model.mass.velocity_m_per_s.y() = wild();
-    newest.answer.model.mass.free_per_kg *= std::abs(wild());
+    newest.answer.model.mass.body.velocity_m_per_s.y() = wild();
+    newest.answer.model.mass.body.mobility_per_kg *= std::abs(wild());
+    newest.answer.model.mass.contacts[0].gap_m = wild();
+    newest.answer.model.mass.contacts[0].stiffness_per_s2 = std::abs(wild());
+    newest.answer.model.mass.contacts[0].met.bias_m_per_s2.x() = wild();
     newest.answer.model.field.jacobian_N_per_m(0, 1) = wild();
     place.resize(3);
     const test::AllocationGuard tick;

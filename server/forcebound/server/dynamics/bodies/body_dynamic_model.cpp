@@ -190,7 +190,7 @@ scene::DynamicModelFacts BodyDynamicModel::facts() const {
       .damping_N_s_per_m = coupling_.damping_N_s_per_m,
       .age_s = step_s,
       .cost_ns = steps_per_motion * (2000.0 + 1500.0 * model_->nv),
-      .describe_cost_ns = BodyWorld::predicted_describe_cost_ns(*model_),
+      .describe_cost_ns = DraggedBodies::predicted_cost_ns(*model_),
       .on_surface_m = on_surface_m_,
       .describes_itself = BodyMobility::can_do(*model_),
       .inputs = {.velocity = true, .time = true}};

@@ -3,30 +3,30 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <limits>
+
+#include "forcebound/server/dynamics/bodies/body_contacts.hpp"
 
 namespace forcebound::server {
 namespace {
 
 // Each constraint this many times as hard as MuJoCo's: it gives way by a thousandth of what a free body does.
 constexpr double kHard = 100;
+// The weight of a contact that holds, of what its bodies weigh.
+constexpr double kHardContact = 2000;
 // A pivot below this share of the largest inertia is rounding.
 constexpr double kNoInertia = 1e-12;
+// A point that a force moves by less than this share of what it might is held.
+constexpr double kHeld = 1e-4;
+constexpr double kNothing_N = 1e-3;
 // Estimates on a present-day machine.
 constexpr double kMultiplication_ns = 0.7;
 constexpr double kRayPastGeom_ns = 40;
 constexpr double kRayThroughTriangle_ns = 10;
 // Where a ray that comes back begins: before the surface that it leaves.
 constexpr double kBefore_m = 1e-7;
-
-/// Whether a row of the constraints acted like a spring in the last step. Of a sliding elliptic contact its normal did.
-bool acted(const mjData& data, int row) noexcept {
-  if (data.efc_state[row] == mjCNSTRSTATE_QUADRATIC) return true;
-  if (data.efc_state[row] != mjCNSTRSTATE_CONE) return false;
-  const int contact = data.efc_id[row];
-  return contact >= 0 && contact < data.ncon && data.contact[contact].efc_address == row;
-}
 
 double triangles_of(const mjModel& model, int geom) noexcept {
   const int data = model.geom_dataid[geom];
@@ -35,6 +35,24 @@ double triangles_of(const mjModel& model, int geom) noexcept {
   if (model.geom_type[geom] != mjGEOM_HFIELD) return 0;
   return 2.0 * model.hfield_nrow[data] * model.hfield_ncol[data];
 }
+
+double hardness_kg(const mjModel& model, const mjContact& contact) noexcept {
+  return kHardContact / (model.body_invweight0[2 * model.geom_bodyid[contact.geom1]] +
+                         model.body_invweight0[2 * model.geom_bodyid[contact.geom2]]);
+}
+
+scene::Point normal_of(const mjContact& contact) noexcept { return Eigen::Map<const scene::Point>(contact.frame); }
+
+scene::Point beside(const scene::Point& normal, const scene::Point& way) noexcept {
+  return way - normal * normal.dot(way);
+}
+
+/// One of both stands still.
+bool rubs_on_the_ground(const mjModel& model, const mjContact& contact) noexcept {
+  return stands_still(model, model.geom_bodyid[contact.geom1]) || stands_still(model, model.geom_bodyid[contact.geom2]);
+}
+
+double square(double value) noexcept { return value * value; }
 
 struct Hit {
   double away_m = -1;  // < 0: nothing
@@ -61,7 +79,12 @@ BodyMobility::BodyMobility(const mjModel_& model) {
   jacobian_.resize(3 * degrees);
   row_.resize(degrees);
   pulled_.resize(degrees);
-  moved_.resize(degrees);
+  going_.resize(degrees);
+  borne_.resize(degrees);
+  loaded_.resize(degrees);
+  at_contact_.resize(3 * degrees);
+  moved_.resize(3 * degrees);
+  along_.resize(degrees);
 }
 
 double BodyMobility::predicted_cost_ns(const mjModel_& model) noexcept {
@@ -69,13 +92,6 @@ double BodyMobility::predicted_cost_ns(const mjModel_& model) noexcept {
   const double degrees = model.nv;
   // The constraints' outer products, a factorisation, and three solutions.
   return kMultiplication_ns * degrees * degrees * (degrees + degrees / 6 + 3);
-}
-
-bool BodyMobility::is_constrained(const mjData_& data) noexcept {
-  for (int row = 0; row < data.nefc; ++row) {
-    if (acted(data, row)) return true;
-  }
-  return false;
 }
 
 void BodyMobility::read_row(const mjModel_& model, const mjData_& data, int row) noexcept {
@@ -89,53 +105,199 @@ void BodyMobility::read_row(const mjModel_& model, const mjData_& data, int row)
   }
 }
 
-bool BodyMobility::factor(const mjModel_& model, const mjData_& data, With constraints) noexcept {
-  if (row_.empty()) return false;
-  mj_fullM(&model, inertia_.data(), data.qM);
-  std::copy_n(data.qfrc_smooth, model.nv, pulled_.begin());
-  for (int row = 0; constraints != With::none && row < data.nefc; ++row) {
-    if (!acted(data, row) || (constraints == With::equalities && data.efc_type[row] != mjCNSTR_EQUALITY)) continue;
-    read_row(model, data, row);
-    const double weight_kg = kHard * data.efc_D[row];
-    for (std::size_t i = 0; i < row_.size(); ++i) {
-      if (row_[i] == 0) continue;
-      pulled_[i] += weight_kg * row_[i] * data.efc_aref[row];
-      for (std::size_t k = 0; k < row_.size(); ++k) inertia_[i * row_.size() + k] += weight_kg * row_[i] * row_[k];
+bool BodyMobility::counts(const mjModel_& model, const mjContact_& contact) const noexcept {
+  const auto is_of = [&](int body) { return body >= 0 && is_of_body(model, contact, body); };
+  return std::ranges::none_of(contacts_.but_of, is_of);
+}
+
+void BodyMobility::hold(double weight_kg) noexcept {
+  for (std::size_t i = 0; i < row_.size(); ++i) {
+    if (row_[i] == 0) continue;
+    for (std::size_t k = 0; k < row_.size(); ++k) inertia_[i * row_.size() + k] += weight_kg * row_[i] * row_[k];
+  }
+}
+
+/// Along its normal, and between two that move also along its surface, unless they slip.
+void BodyMobility::hold(const mjModel_& model, const mjData_& data, const mjContact_& contact, bool slips) noexcept {
+  const std::array<int, 2> bodies{model.geom_bodyid[contact.geom1], model.geom_bodyid[contact.geom2]};
+  mj_jac(&model, &data, jacobian_.data(), nullptr, contact.pos, bodies[0]);
+  mj_jac(&model, &data, moved_.data(), nullptr, contact.pos, bodies[1]);
+  for (int axis = 0; axis < (slips || rubs_on_the_ground(model, contact) ? 1 : 3); ++axis) {
+    std::ranges::fill(row_, 0.0);
+    for (int of = 0; of < 3; ++of) {
+      const std::size_t begin = static_cast<std::size_t>(of) * row_.size();
+      for (std::size_t i = 0; i < row_.size(); ++i)
+        row_[i] += contact.frame[3 * axis + of] * (moved_[begin + i] - jacobian_[begin + i]);
     }
+    hold(hardness_kg(model, contact));
+  }
+}
+
+bool BodyMobility::consider(const mjModel_& model, const mjData_& data, const Contacts& contacts) noexcept {
+  if (row_.empty()) return false;
+  contacts_ = contacts;
+  contacts_.contacts = contacts.contacts.first(std::min(contacts.contacts.size(), slips_.size()));
+  slips_.fill(false);
+  return factor(model, data);
+}
+
+bool BodyMobility::factor(const mjModel_& model, const mjData_& data) noexcept {
+  mj_fullM(&model, inertia_.data(), data.qM);
+  mju_copy(going_.data(), data.qvel, model.nv);
+  mju_mulMatVec(pulled_.data(), inertia_.data(), going_.data(), model.nv, model.nv);
+  for (int row = 0; row < data.nefc; ++row) {
+    if (data.efc_type[row] != mjCNSTR_EQUALITY) continue;
+    read_row(model, data, row);
+    hold(kHard * data.efc_D[row]);
+  }
+  for (std::size_t i = 0; i < contacts_.contacts.size(); ++i) {
+    const mjContact& contact = contacts_.contacts[i];
+    if (counts(model, contact)) hold(model, data, contact, slips_.at(i));
   }
   const double smallest = kNoInertia * *std::ranges::max_element(inertia_);
-  return mju_cholFactor(inertia_.data(), model.nv, smallest) == model.nv;
+  if (mju_cholFactor(inertia_.data(), model.nv, smallest) != model.nv) return false;
+  mju_cholSolve(going_.data(), inertia_.data(), pulled_.data(), model.nv);
+  return true;
 }
 
-std::optional<Eigen::Matrix3d> BodyMobility::per_kg(const mjModel_& model, const mjData_& data, int body,
-                                                    With constraints) noexcept {
-  if (!factor(model, data, constraints)) return std::nullopt;
-  mj_jacBodyCom(&model, &data, jacobian_.data(), nullptr, body);
-  using Row = Eigen::Map<const Eigen::VectorXd>;
-  Eigen::Matrix3d mobility;
-  for (Eigen::Index axis = 0; axis < 3; ++axis) {
-    mju_cholSolve(moved_.data(), inertia_.data(), jacobian_.data() + axis * model.nv, model.nv);
-    for (Eigen::Index other = 0; other < 3; ++other)
-      mobility(other, axis) = Row(jacobian_.data() + other * model.nv, model.nv).dot(Row(moved_.data(), model.nv));
+/// By how much the second of two bodies moves from the first at their contact.
+scene::Point BodyMobility::apart(const mjModel_& model, const mjData_& data, const mjContact_& contact,
+                                 const std::vector<double>& joints) noexcept {
+  scene::Point moved[2];
+  for (const int which : {0, 1}) {
+    const int geom = which == 0 ? contact.geom1 : contact.geom2;
+    mj_jac(&model, &data, at_contact_.data(), nullptr, contact.pos, model.geom_bodyid[geom]);
+    mju_mulMatVec(moved[which].data(), at_contact_.data(), joints.data(), 3, model.nv);
   }
-  if (!mobility.allFinite()) return std::nullopt;
-  return Eigen::Matrix3d(0.5 * (mobility + mobility.transpose()));
+  return moved[1] - moved[0];
 }
 
-scene::Point BodyMobility::acceleration_m_per_s2(const mjModel_& model, const mjData_& data, int body,
-                                                 With constraints) noexcept {
-  scene::Point acceleration = scene::Point::Zero();
-  if (row_.empty()) return acceleration;
-  const double* joints = constraints == With::all ? data.qacc : data.qacc_smooth;
-  if (constraints == With::equalities && factor(model, data, constraints)) {
-    mju_cholSolve(moved_.data(), inertia_.data(), pulled_.data(), model.nv);
-    joints = moved_.data();
+/// What presses both bodies of a contact together: the forces that bear what pulls and pushes at them, and not those of
+/// one step, in which a body that rests trembles.
+double BodyMobility::bearing_N(const mjModel_& model, const mjData_& data, const mjContact_& contact) noexcept {
+  return -hardness_kg(model, contact) * normal_of(contact).dot(apart(model, data, contact, borne_));
+}
+
+/// Of contacts that slide while the point moves along the direction.
+double BodyMobility::dry_friction_N(const mjModel_& model, const mjData_& data, const scene::Point& pushed_N) noexcept {
+  mju_mulMatTVec(pulled_.data(), jacobian_.data(), pushed_N.data(), 3, model.nv);
+  mju_addTo(pulled_.data(), data.qfrc_smooth, model.nv);
+  mju_cholSolve(borne_.data(), inertia_.data(), pulled_.data(), model.nv);
+  double sum_N = 0;
+  for (std::size_t i = 0; i < contacts_.contacts.size(); ++i) {
+    const mjContact& contact = contacts_.contacts[i];
+    if (!counts(model, contact) || !(slips_.at(i) || rubs_on_the_ground(model, contact))) continue;
+    const scene::Point slides = beside(normal_of(contact), apart(model, data, contact, along_));
+    sum_N += contact.friction[0] * bearing_N(model, data, contact) * slides.norm();
   }
-  mj_jacBodyCom(&model, &data, jacobian_.data(), nullptr, body);
+  return std::max(0.0, sum_N);
+}
+
+/// Which contacts between two that move slip: those whose friction does not bear what the friction elsewhere asks of
+/// them, while the point is pushed until that gives way. @return whether some more do
+bool BodyMobility::find_slips(const mjModel_& model, const mjData_& data, double pushed_N) noexcept {
+  const scene::Point push_N = pushed_N * way_;
+  mju_mulMatTVec(pulled_.data(), jacobian_.data(), push_N.data(), 3, model.nv);
+  for (const mjContact& contact : contacts_.contacts) {
+    if (!counts(model, contact) || !rubs_on_the_ground(model, contact)) continue;
+    const scene::Point slides = beside(normal_of(contact), apart(model, data, contact, along_));
+    if (!(slides.norm() > kHeld)) continue;
+    const scene::Point rubs_N = contact.friction[0] * bearing_N(model, data, contact) * slides.normalized();
+    // On the one that moves.
+    const bool second = stands_still(model, model.geom_bodyid[contact.geom1]);
+    const int body = model.geom_bodyid[second ? contact.geom2 : contact.geom1];
+    mj_jac(&model, &data, at_contact_.data(), nullptr, contact.pos, body);
+    const scene::Point on_it_N = second ? scene::Point(-rubs_N) : rubs_N;
+    mju_mulMatTVec(row_.data(), at_contact_.data(), on_it_N.data(), 3, model.nv);
+    mju_addTo(pulled_.data(), row_.data(), model.nv);
+  }
+  mju_cholSolve(loaded_.data(), inertia_.data(), pulled_.data(), model.nv);
+  bool more = false;
+  for (std::size_t i = 0; i < contacts_.contacts.size(); ++i) {
+    const mjContact& contact = contacts_.contacts[i];
+    if (!counts(model, contact) || slips_.at(i) || rubs_on_the_ground(model, contact)) continue;
+    const scene::Point asked = beside(normal_of(contact), apart(model, data, contact, loaded_));
+    const double most_N = contact.friction[0] * std::max(0.0, bearing_N(model, data, contact));
+    slips_.at(i) = hardness_kg(model, contact) * asked.norm() > most_N + kNothing_N;
+    more = more || slips_.at(i);
+  }
+  return more;
+}
+
+std::optional<local_model::Body> BodyMobility::answer(const mjModel_& model, const mjData_& data, int body,
+                                                      const scene::Point& at_m, const scene::Point& direction,
+                                                      const scene::Point& pushed_N) noexcept {
+  if (std::ranges::find(slips_, true) != slips_.end()) {
+    slips_.fill(false);
+    if (!factor(model, data)) return std::nullopt;
+  }
+  const auto as_held = answer_once(model, data, body, at_m, direction, pushed_N);
+  if (!as_held || !find_slips(model, data, as_held->dry_friction_N)) return as_held;
+  if (!factor(model, data)) return std::nullopt;
+  return answer_once(model, data, body, at_m, direction, pushed_N);
+}
+
+std::optional<local_model::Body> BodyMobility::answer_once(const mjModel_& model, const mjData_& data, int body,
+                                                           const scene::Point& at_m, const scene::Point& direction,
+                                                           const scene::Point& pushed_N) noexcept {
   using Row = Eigen::Map<const Eigen::VectorXd>;
+  using Rows = Eigen::Map<const Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>>;
+  mj_jac(&model, &data, jacobian_.data(), nullptr, at_m.data(), body);
   for (Eigen::Index axis = 0; axis < 3; ++axis)
-    acceleration[axis] = Row(jacobian_.data() + axis * model.nv, model.nv).dot(Row(joints, model.nv));
-  return acceleration;
+    mju_cholSolve(moved_.data() + axis * model.nv, inertia_.data(), jacobian_.data() + axis * model.nv, model.nv);
+  const Rows jacobian(jacobian_.data(), 3, model.nv);
+  const Rows moved(moved_.data(), 3, model.nv);
+  local_model::Body found;
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    found.velocity_m_per_s[axis] = jacobian.row(axis).dot(Row(going_.data(), model.nv));
+    found.bias_m_per_s2[axis] = moved.row(axis).dot(Row(data.qfrc_smooth, model.nv));
+    for (Eigen::Index other = 0; other < 3; ++other)
+      found.mobility_per_kg(other, axis) = jacobian.row(other).dot(moved.row(axis));
+  }
+  found.mobility_per_kg = Eigen::Matrix3d(0.5 * (found.mobility_per_kg + found.mobility_per_kg.transpose()));
+  if (!found.mobility_per_kg.allFinite() || !found.bias_m_per_s2.allFinite()) return std::nullopt;
+  Eigen::Index easiest = 0;
+  const double most_per_kg = found.mobility_per_kg.diagonal().maxCoeff(&easiest);
+  const scene::Point way =
+      direction.isZero(0) ? scene::Point(found.mobility_per_kg.col(easiest).normalized()) : direction;
+  const double along_per_kg = way.dot(found.mobility_per_kg * way);
+  std::ranges::fill(along_, 0.0);
+  way_.setZero();
+  if (!(along_per_kg > kHeld * most_per_kg)) return found;
+  const scene::Point by = way / along_per_kg;
+  mju_mulMatTVec(along_.data(), moved_.data(), by.data(), 3, model.nv);
+  for (int joint = 0; joint < model.njnt; ++joint) {
+    const int first = model.jnt_dofadr[joint];
+    for (int degree = first; degree < model.nv && model.dof_jntid[degree] == joint; ++degree)
+      found.spring_N_per_m += model.jnt_stiffness[joint] * square(along_[static_cast<std::size_t>(degree)]);
+  }
+  for (int degree = 0; degree < model.nv; ++degree) {
+    const double share = along_[static_cast<std::size_t>(degree)];
+    found.damper_N_s_per_m += model.dof_damping[degree] * square(share);
+    found.dry_friction_N += model.dof_frictionloss[degree] * std::abs(share);
+  }
+  found.dry_friction_N += dry_friction_N(model, data, pushed_N);
+  // Dampers are those of `damper_N_s_per_m`.
+  found.bias_m_per_s2 += found.damper_N_s_per_m * found.mobility_per_kg * found.velocity_m_per_s;
+  way_ = way;
+  return found;
+}
+
+BodyMobility::Room BodyMobility::room_of_joints_m(const mjModel_& model, const mjData_& data) const noexcept {
+  constexpr double kNoLimit = std::numeric_limits<double>::infinity();
+  Room room{.way = way_, .along_m = kNoLimit, .against_m = kNoLimit};
+  for (int joint = 0; joint < model.njnt; ++joint) {
+    const int type = model.jnt_type[joint];
+    if (model.jnt_limited[joint] == 0 || (type != mjJNT_SLIDE && type != mjJNT_HINGE)) continue;
+    const double share = along_[static_cast<std::size_t>(model.jnt_dofadr[joint])];
+    if (share == 0) continue;
+    const double at = data.qpos[model.jnt_qposadr[joint]];
+    const double down_m = std::max(0.0, at - model.jnt_range[2 * joint]) / std::abs(share);
+    const double up_m = std::max(0.0, model.jnt_range[2 * joint + 1] - at) / std::abs(share);
+    room.along_m = std::min(room.along_m, share > 0 ? up_m : down_m);
+    room.against_m = std::min(room.against_m, share > 0 ? down_m : up_m);
+  }
+  return room;
 }
 
 double travel_m(const mjModel_& model, const mjData_& data, int body, const scene::Point& direction) noexcept {

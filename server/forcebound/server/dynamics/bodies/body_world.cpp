@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "forcebound/local_model/eigenvalues.hpp"
 #include "forcebound/local_model/no_longer_than.hpp"
+#include "forcebound/server/dynamics/bodies/body_contacts.hpp"
 #include "forcebound/server/dynamics/bodies/description.hpp"
 #include "forcebound/server/dynamics/bodies/visible_geometries.hpp"
 
@@ -24,15 +24,6 @@ constexpr double kArrival_m_per_s_max = 0.6;
 // How often a ball that begins inside bodies is pushed out of the deepest one, and the depth that is ignored.
 constexpr int kPushesMax = 8;
 constexpr double kWithin_m = 1e-6;
-// Of a local model: the most that gravity, joints and friction do to a body, and the least force with a direction.
-constexpr double kBias_m_per_s2_most = 30;
-constexpr double kFelt_N = 1e-6;
-constexpr double kGoes_m_per_s = 1e-3;
-// A body that a force moves by less than this share of what it might is held by its joints.
-constexpr double kHeld = 0.02;
-// How often a look ahead looks, and an estimate for what a local model takes beside looks and mobilities.
-constexpr int kLooksMost = 7;
-constexpr double kDescribe_ns = 2000;
 // A blow on what is held lasts for less.
 constexpr double kOverload_s_most = 0.02;
 
@@ -48,42 +39,15 @@ scene::Point velocity_of(const mjModel& model, const mjData& data, int body) noe
   return {velocity[3], velocity[4], velocity[5]};
 }
 
-/// What does not give way is a limit, not a heavier mass: the body leaves it as it would without, by its own mass and
-/// what else pulls at it, and comes back to it. Where its joints do not let it go there, it does neither.
-void stop_at(const scene::Point& into, const scene::Point& free_m_per_s2, local_model::Mass& mass) noexcept {
-  const scene::Point gone = mass.free_per_kg * into;
-  const double along = gone.dot(into);
-  if (!(along > kHeld * gone.norm())) return;
-  // Takes the motion that a force along the contact makes, and leaves none into it.
-  const Eigen::Matrix3d leaving = gone * into.transpose() / along;
-  const Eigen::Matrix3d beside = Eigen::Matrix3d::Identity() - leaving;
-  mass.mobility_per_kg = beside * mass.mobility_per_kg * beside.transpose() + gone * gone.transpose() / along;
-  mass.bias_m_per_s2 = beside * mass.bias_m_per_s2 + leaving * free_m_per_s2;
-  mass.push = into;
-  mass.travel_m = 0;
-}
-
-bool touches(const mjModel& model, const mjContact& contact, int body) noexcept {
-  return model.geom_bodyid[contact.geom1] == body || model.geom_bodyid[contact.geom2] == body;
-}
-
-struct Neighbour {
-  int body;
-  scene::Point into;  ///< unit, from the body towards it
-};
-
-Neighbour neighbour(const mjModel& model, const mjContact& contact, int body) noexcept {
-  // A contact's normal is out of its first geom.
-  const scene::Point normal = Eigen::Map<const scene::Point>(contact.frame);
-  const int first = model.geom_bodyid[contact.geom1];
-  return first == body ? Neighbour{model.geom_bodyid[contact.geom2], normal} : Neighbour{first, -normal};
-}
-
 }  // namespace
 
 BodyWorld::BodyWorld(ModelPointer model, const Coupling& coupling, const std::vector<Probe>& probes,
                      const std::optional<GraspDescription>& grasp)
-    : model_(std::move(model)), data_(make_data(*model_)), coupling_(coupling), grasp_(grasp), mobility_(*model_) {
+    : model_(std::move(model)),
+      data_(make_data(*model_)),
+      coupling_(coupling),
+      grasp_(grasp),
+      describer_(*model_, coupling) {
   seats_.reserve(probes.size());
   for (const Probe& probe : probes) {
     seats_.push_back({probe});
@@ -360,84 +324,14 @@ const mjContact_* BodyWorld::deepest_contact(int body, int but) const noexcept {
   return deepest;
 }
 
-double BodyWorld::room_m(int body, const scene::Point& direction, const scene::Point& velocity) const noexcept {
-  const double moved_m = (model_->opt.timestep + left_s_) * velocity.dot(direction);
-  return std::max(0.0, travel_m(*model_, *data_, body, direction) - moved_m);
-}
-
-/// In the air a mass answers the same in all directions: it is told of what it would meet first, since a hand may turn
-/// before the next answer comes.
-void BodyWorld::look_ahead(int body, local_model::Mass& mass) const noexcept {
-  // There is no contact to leave.
-  mass.free_per_kg = mass.mobility_per_kg;
-  const double held_per_kg = kHeld * local_model::eigenvalues(mass.free_per_kg).maxCoeff();
-  const auto look = [&](const scene::Point& direction) {
-    if (!(direction.dot(mass.free_per_kg * direction) > held_per_kg)) return;
-    const double room = room_m(body, direction, mass.velocity_m_per_s);
-    if (!(room < mass.travel_m)) return;
-    mass.push = direction;
-    mass.travel_m = room;
-  };
-  // Along and against each axis, and where it goes: kLooksMost.
-  for (int axis = 0; axis < 3; ++axis) {
-    look(scene::Point::Unit(axis));
-    look(-scene::Point::Unit(axis));
-  }
-  if (const double speed = mass.velocity_m_per_s.norm(); speed > kGoes_m_per_s) look(mass.velocity_m_per_s / speed);
-}
-
-/// What is in the mass's way, and what answers to a push beside it: of what the probe holds, or of itself.
-void BodyWorld::describe_obstacle(const Seat& seat, const scene::Point& pushed_N, local_model::Mass& mass) noexcept {
-  const bool holds = seat.held >= 0;
-  const int body = holds ? seat.held : seat.body;
-  const mjContact* const contact = deepest_contact(body, holds ? seat.body : -1);
-  if (contact == nullptr) return look_ahead(body, mass);
-  const Neighbour beside = neighbour(*model_, *contact, body);
-  if (model_->body_weldid[beside.body] == 0) {
-    const scene::Point acceleration = mobility_.acceleration_m_per_s2(
-        *model_, *data_, seat.body, holds ? BodyMobility::With::equalities : BodyMobility::With::none);
-    return stop_at(beside.into, acceleration - mass.free_per_kg * pushed_N, mass);
-  }
-  const double push_N = pushed_N.norm();
-  if (!(push_N > kFelt_N)) return;
-  // What it pushes goes ahead.
-  mass.push = pushed_N / push_N;
-  mass.travel_m = room_m(beside.body, mass.push, mass.velocity_m_per_s);
-}
-
-double BodyWorld::predicted_describe_cost_ns(const mjModel_& model) noexcept {
-  if (!BodyMobility::can_do(model)) return 0;
-  return kDescribe_ns + 3 * BodyMobility::predicted_cost_ns(model) + kLooksMost * predicted_travel_cost_ns(model);
-}
-
 bool BodyWorld::describe(int at, local_model::LocalModel& model) noexcept {
   const Seat& seat = seats_[static_cast<std::size_t>(at)];
   if (!sound_ || !seat.placed || seat.placed_s < seat.arrival_s) return false;
-  using With = BodyMobility::With;
-  const auto free_per_kg = mobility_.per_kg(*model_, *data_, seat.body, seat.held >= 0 ? With::equalities : With::none);
-  const bool constrained = BodyMobility::is_constrained(*data_);
-  const auto per_kg = constrained ? mobility_.per_kg(*model_, *data_, seat.body, With::all) : free_per_kg;
-  if (!free_per_kg || !per_kg || !(free_per_kg->trace() > 0)) return false;
-  const scene::Point pushed_N = -seat.force_N;
-  const double step_s = model_->opt.timestep;
-  const scene::Point acceleration = mobility_.acceleration_m_per_s2(*model_, *data_, seat.body, With::all);
-  const scene::Point velocity = velocity_of(*model_, *data_, seat.body) + step_s * acceleration;
-  local_model::Mass mass{.id = 0, .force_N = seat.force_N};
-  // MuJoCo has moved since its positions and velocities of bodies were computed, and time has passed since its step.
-  mass.place_m = position_of(*data_, seat.body) + (step_s + left_s_) * velocity;
-  mass.velocity_m_per_s = velocity;
-  const scene::Point bias = acceleration - *per_kg * pushed_N;
-  // A blow lasts for a step or two and says nothing of the time after it.
-  if (bias.norm() <= kBias_m_per_s2_most) mass.bias_m_per_s2 = bias;
-  mass.stiffness_N_per_m = coupling_.stiffness_N_per_m;
-  mass.damping_N_s_per_m = coupling_.damping_N_s_per_m;
-  mass.free_per_kg = *free_per_kg;
-  mass.mobility_per_kg = *per_kg;
-  // It may be here alone, where steps are shorter.
-  if (!local_model::is_stable(mass)) return false;
-  describe_obstacle(seat, pushed_N, mass);
-  mass.radius_m = 2 * kReachMost_m;
-  model.mass = mass;
+  const auto mass = describer_.describe(
+      *model_, *data_,
+      {.body = seat.body, .held = seat.held, .force_N = seat.force_N, .since_s = model_->opt.timestep + left_s_});
+  if (!mass) return false;
+  model.mass = *mass;
   model.has_mass = true;
   return true;
 }

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "forcebound/scene/dynamic_model.hpp"
-#include "forcebound/server/dynamics/bodies/body_mobility.hpp"
 #include "forcebound/server/dynamics/bodies/coupling.hpp"
 #include "forcebound/server/dynamics/bodies/description.hpp"
+#include "forcebound/server/dynamics/bodies/dragged_body.hpp"
 #include "forcebound/server/dynamics/bodies/mujoco.hpp"
 
 namespace forcebound::server {
@@ -40,16 +40,13 @@ class BodyWorld final : public scene::DynamicModelState {
   void advance(double elapsed_s) noexcept override;
   scene::ModelTouch touch(int seat) noexcept override;
 
-  /// The mass of the dragged body with all that it pushes, and how far that can go, once the coupling's far end has
-  /// reached the device; if its coupling is stable in a client's longer steps.
+  /// The dragged body with what is near it, once the coupling's far end has reached the device.
   [[nodiscard]] bool describe(int seat, local_model::LocalModel& model) noexcept override;
 
   /// The geometries of all bodies but the devices' balls; of MuJoCo's kinds not its height fields and ellipsoids.
   [[nodiscard]] std::vector<scene::VisiblePart> visible() const override;
   [[nodiscard]] std::size_t sample(std::size_t first, std::span<float> to) const noexcept override;
 
-  /// Estimate for one `describe` where it takes the most: in the air, where it looks in all directions [ns].
-  [[nodiscard]] static double predicted_describe_cost_ns(const mjModel_& model) noexcept;
   /// The body that the probe holds; -1: none.
   [[nodiscard]] int held_by(int seat) const noexcept { return seats_[static_cast<std::size_t>(seat)].held; }
 
@@ -97,15 +94,12 @@ class BodyWorld final : public scene::DynamicModelState {
   [[nodiscard]] double carried_N(const Seat& seat) const noexcept;
   [[nodiscard]] scene::Point bearing_N(const Probe& probe) const noexcept;
   [[nodiscard]] const mjContact_* deepest_contact(int body, int but = -1) const noexcept;
-  [[nodiscard]] double room_m(int body, const scene::Point& direction, const scene::Point& velocity) const noexcept;
-  void look_ahead(int body, local_model::Mass& mass) const noexcept;
-  void describe_obstacle(const Seat& seat, const scene::Point& pushed_N, local_model::Mass& mass) noexcept;
 
   ModelPointer model_;
   DataPointer data_;
   Coupling coupling_;
   std::optional<GraspDescription> grasp_;
-  BodyMobility mobility_;
+  DraggedBodies describer_;
   std::vector<int> visible_;  // geometries that are seen, less planes
   std::vector<Seat> seats_;
   double left_s_ = 0;

@@ -144,11 +144,8 @@ TEST_F(GraspedCube, IsTheMassOfBothInTheLocalModelWhateverWayItIsPulled) {
   ASSERT_TRUE(told.has_mass);
   EXPECT_TRUE(local_model::is_sound(told));
   const double both_kg = kGrasped_kg + kProbe_kg;
-  EXPECT_TRUE((both_kg * told.mass.mobility_per_kg).isApprox(Eigen::Matrix3d::Identity(), 0.05));
-  EXPECT_TRUE((both_kg * told.mass.free_per_kg).isApprox(Eigen::Matrix3d::Identity(), 0.05));
-  EXPECT_NEAR(told.mass.bias_m_per_s2.z(), -kGrasped_kg * kG_m_per_s2 / both_kg, 0.3);
-  EXPECT_LT((told.mass.push - scene::Point(0, 0, -1)).norm(), 1e-9) << "the floor is below it";
-  EXPECT_NEAR(told.mass.travel_m, cube_m().z() - 0.02, 2e-3);
+  EXPECT_TRUE((both_kg * told.mass.body.mobility_per_kg).isApprox(Eigen::Matrix3d::Identity(), 0.05));
+  EXPECT_NEAR(told.mass.body.bias_m_per_s2.z(), -kGrasped_kg * kG_m_per_s2 / both_kg, 0.3);
 }
 
 TEST_F(GraspedCube, ThatStandsOnTheFloorCanBeLiftedInTheLocalModelAndNotPressedDown) {
@@ -159,11 +156,14 @@ TEST_F(GraspedCube, ThatStandsOnTheFloorCanBeLiftedInTheLocalModelAndNotPressedD
   local_model::LocalModel told;
   ASSERT_TRUE(state->describe(0, told));
   const local_model::Mass& mass = told.mass;
-  EXPECT_LT((mass.push - scene::Point(0, 0, -1)).norm(), 1e-6);
-  EXPECT_EQ(mass.travel_m, 0);
-  EXPECT_NEAR((kGrasped_kg + kProbe_kg) * mass.free_per_kg(2, 2), 1, 0.05);
   // Nothing but the hand holds it up once it leaves the floor.
-  EXPECT_NEAR(mass.bias_m_per_s2.z(), -kGrasped_kg * kG_m_per_s2 / (kGrasped_kg + kProbe_kg), 1);
+  constexpr double kBoth_kg = kGrasped_kg + kProbe_kg;
+  EXPECT_NEAR(kBoth_kg * mass.body.mobility_per_kg(2, 2), 1, 0.05);
+  EXPECT_NEAR(mass.body.bias_m_per_s2.z(), -kGrasped_kg * kG_m_per_s2 / kBoth_kg, 0.3);
+  ASSERT_EQ(mass.contact_count, 1U) << "of what is held with the floor alone, at its four corners";
+  EXPECT_LT((mass.contacts[0].normal - scene::Point::UnitZ()).norm(), 1e-6);
+  EXPECT_LT(mass.contacts[0].gap_m, 0);
+  EXPECT_TRUE(mass.contacts[0].met.mobility_per_kg.isZero(0));
 }
 
 TEST_F(GraspedCube, GoesOnInACopyAsInTheOriginal) {
