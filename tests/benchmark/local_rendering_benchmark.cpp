@@ -29,7 +29,7 @@
 #include "forcebound/server/session/server.hpp"
 #include "forcebound/time/heap_operations.hpp"
 #include "forcebound/time/percentile.hpp"
-#include "tests/tools/lab/rendering/rendering_task.hpp"
+#include "tests/tools/lab/rendering/rendering_tasks.hpp"
 #include "tests/tools/sim/virtual_clock.hpp"
 
 namespace forcebound::client {

@@ -15,7 +15,7 @@
 #include "forcebound/client/rendering/mass_step.hpp"
 #include "forcebound/scene/dynamic_model.hpp"
 #include "forcebound/server/environment/body_models.hpp"
-#include "tests/tools/lab/rendering/rendering_task.hpp"
+#include "tests/tools/lab/rendering/rendering_tasks.hpp"
 
 namespace forcebound::lab {
 namespace {

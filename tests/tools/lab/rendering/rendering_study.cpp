@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "forcebound/text/names.hpp"
+#include "tests/tools/lab/rendering/rendering_tasks.hpp"
 #include "tests/tools/lab/rendering/true_force_meter.hpp"
 
 namespace forcebound::lab {

@@ -12,7 +12,7 @@
 #include "forcebound/text/lines.hpp"
 #include "forcebound/text/terminal.hpp"
 #include "tests/support/source_folder.hpp"
-#include "tests/tools/lab/rendering/rendering_task.hpp"
+#include "tests/tools/lab/rendering/rendering_tasks.hpp"
 #include "tests/tools/temporary_folder.hpp"
 
 namespace forcebound::lab {

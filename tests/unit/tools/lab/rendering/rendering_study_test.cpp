@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "tests/tools/lab/rendering/rendering_results.hpp"
+#include "tests/tools/lab/rendering/rendering_tasks.hpp"
 
 namespace forcebound::lab {
 namespace {

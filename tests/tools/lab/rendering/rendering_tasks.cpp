@@ -1,4 +1,4 @@
-#include "tests/tools/lab/rendering/rendering_task.hpp"
+#include "tests/tools/lab/rendering/rendering_tasks.hpp"
 
 #include <algorithm>
 #include <cmath>
