@@ -116,7 +116,7 @@ std::optional<std::string> named_file(const std::vector<std::string>& words) {
 
 void add_option_file(CLI::App& app) {
   app.add_option(kConfig,
-                 "file with options, by their names without the dashes: realtime = true; those given here "
+                 "file with options, by their names without the dashes: record = \"run.mcap\"; those given here "
                  "come before")
       ->type_name("FILE.toml")
       ->check(not_empty());

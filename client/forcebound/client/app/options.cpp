@@ -173,8 +173,9 @@ const CLI::Option* describe(CLI::App& app, Options& options, Typed& typed, const
                  "with --page: the --control address of the forcebound-relay in between, for other networks")
       ->needs("--page")
       ->type_name("HOST:PORT");
-  app.add_flag("--once", options.client.once,
-               "end if the server does not answer for 5 s, or refuses a further session, instead of retrying");
+  app.add_flag(
+      "--once", options.client.once,
+      "end if the server does not answer for 5 s, or has lost the session and refuses another, instead of retrying");
   app.add_flag("--quiet", options.quiet, "no live line");
   program::add_log_option(app);
   program::add_option_file(app);
