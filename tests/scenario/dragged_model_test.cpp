@@ -77,9 +77,9 @@ class DraggedModel : public testing::TestWithParam<Dragged> {};
 TEST_P(DraggedModel, GoesAsItsBodiesForATenthOfASecond) {
   if (!server::has_bodies()) GTEST_SKIP() << "built without MuJoCo";
   SCOPED_TRACE(GetParam().task);
-  static const std::vector<RenderingTask> tasks = rendering_tasks();  // meshes take long to make
-  const auto task = std::ranges::find(tasks, GetParam().task, &RenderingTask::name);
-  ASSERT_NE(task, tasks.end());
+  static const std::vector<RenderingTask> kTasks = rendering_tasks();  // meshes take long to make
+  const auto task = std::ranges::find(kTasks, GetParam().task, &RenderingTask::name);
+  ASSERT_NE(task, kTasks.end());
   DraggedTruth truth(*task);
   std::optional<local_model::Mass> mass;
   client::MassState state;

@@ -124,6 +124,31 @@ void run_rendering(const RenderingOptions& options) {
   std::printf("\nFigure: %s\n", drawn.c_str());
 }
 
+/// What is printed or drawn in place of a study.
+struct OtherSources {
+  CLI::Option* from;
+  CLI::Option* two_people;
+  CLI::Option* live;
+};
+
+void add_outputs(CLI::App& command, RenderingOptions& options, const OtherSources& others) {
+  program::add_output(command, "--json", options.json, "write all figures to this file")
+      ->excludes(others.from)
+      ->excludes(others.live)
+      ->type_name("FILE.json");
+  program::add_output(command, "--csv", options.csv, "write a row for each figure to this file")
+      ->excludes(others.two_people)
+      ->excludes(others.live)
+      ->type_name("FILE.csv");
+  program::add_output(command, "--readme", options.readme, "put a table between the marks of this file")
+      ->excludes(others.two_people)
+      ->excludes(others.live)
+      ->type_name("PAGE.md");
+  program::add_figures(command, options.figures, options.formats, "draw stiffness and error of each class")
+      ->excludes(others.two_people)
+      ->excludes(others.live);
+}
+
 }  // namespace
 
 void add_rendering(CLI::App& app) {
@@ -173,25 +198,11 @@ void add_rendering(CLI::App& app) {
           ->excludes(side_by_side)
           ->excludes(two_people)
           ->type_name("RUN.mcap");
-  program::add_output(*command, "--json", options->json, "write all figures to this file")
-      ->excludes(from)
-      ->excludes(live)
-      ->type_name("FILE.json");
-  program::add_output(*command, "--csv", options->csv, "write a row for each figure to this file")
-      ->excludes(two_people)
-      ->excludes(live)
-      ->type_name("FILE.csv");
-  program::add_output(*command, "--readme", options->readme, "put a table between the marks of this file")
-      ->excludes(two_people)
-      ->excludes(live)
-      ->type_name("PAGE.md");
-  program::add_figures(*command, options->figures, options->formats, "draw stiffness and error of each class")
-      ->excludes(two_people)
-      ->excludes(live);
+  add_outputs(*command, *options, {.from = from, .two_people = two_people, .live = live});
   command->footer(
       "Round trips of 0, 20, 100 and 200 ms, the recorded networks of FORCEBOUND_DATA, and blackouts of 1 and 3 s; "
-      "each "
-      "beside the same scene, device, hand and law without a network. Client and server are those of the programs; the "
+      "each beside the same scene, device, hand and law without a network. Client and server are those of the "
+      "programs; the "
       "clock and the network are simulated. Ends with each class of scenes beside its goal.\n"
       "\n"
       "Examples:\n"

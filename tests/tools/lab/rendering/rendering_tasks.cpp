@@ -191,12 +191,65 @@ mjcf_text = '''
                              "scene.toml");
 }
 
+/// Of the firm device.
+struct FirmTasks {
+  std::vector<RenderingTask> all{};
+  device::DeviceDescription device = sim::firm_device();
+
+  void add(const std::string& group, const std::string& name, std::shared_ptr<const scene::Scene> scene,
+           const HarmonicMotion& motion, const RenderingGoal& goal = {}) {
+    all.push_back({name, group, goal, std::move(scene), device, hand(motion)});
+  }
+};
+
+void add_shapes(FirmTasks& tasks) {
+  const std::string plane = "{ kind = 'half_space', through_m = [0, 0, 0], normal = [0, 0, 1] }";
+  const Point origin = Point::Zero();
+  const Point top(0, 0, 0.03);
+  const std::string shapes = "primitives";
+  tasks.add("plane", "plane, pressed at 3 Hz", parsed(plane), press(origin));
+  tasks.add("plane", "plane", parsed(plane), slide(origin));
+  tasks.add(shapes, "ball", parsed("{ kind = 'sphere', center_m = [0, 0, 0], radius_m = 0.03 }"), slide(top));
+  tasks.add(shapes, "cylinder",
+            parsed("{ kind = 'cylinder', from_m = [0, -0.05, 0], to_m = [0, 0.05, 0], radius_m = 0.03 }"), slide(top));
+  tasks.add(shapes, "torus",
+            parsed("{ kind = 'torus', center_m = [0, 0, 0], axis = [0, 1, 0], major_radius_m = 0.02, "
+                   "minor_radius_m = 0.01 }"),
+            slide(top));
+  tasks.add("edge", "edge of a box", parsed("{ kind = 'box', center_m = [0, 0.05, -0.05], size_m = [0.2, 0.1, 0.1] }"),
+            slide(Point(0, 0.0003, 0)));
+  tasks.add("corner", "corner of a box",
+            parsed("{ kind = 'box', center_m = [0.05, 0.05, -0.05], size_m = [0.1, 0.1, 0.1] }"),
+            slide(Point(0.005, 0.0003, 0)));
+  tasks.add("friction", "friction",
+            parsed(plane, ", 'friction'", "[object.friction]\nstatic_coefficient = 0.4\ndynamic_coefficient = 0.3\n"),
+            slide(origin));
+  tasks.add("friction", "stick-slip",
+            parsed(plane, ", 'stick_slip'", "[object.stick_slip]\nstiffness_N_per_m = 2000\nslip_N = 1\n"),
+            slide(origin, 0.05));
+  tasks.add("height field", "height field", bumps(), slide(origin));
+}
+
+void add_what_moves(FirmTasks& tasks) {
+  // Beside a node of its surface, where nothing is special.
+  tasks.add("tissue", "pad, pressed at 3 Hz", soft_pad(), press(Point(0.004, 0.003, 0)), kGoalOfWhatMoves);
+  tasks.add("tissue", "pad", soft_pad(), slide(Point(0.004, 0.003, 0)), kGoalOfWhatMoves);
+  constexpr double kBall_m = 0.008;
+  tasks.add("tissue", "pad, ball at 0.06 m/s", soft_pad("probe_radius_m = " + text::to_text(kBall_m) + "\n"),
+            slide(Point(0.004, 0.003, kBall_m), 0.06), kGoalOfWhatMoves);
+  if (server::has_bodies()) {
+    tasks.add("body by hand only", "free puck", dragged_puck(), press(Point::Zero()), kGoalOfWhatMoves);
+    tasks.add("body against a stop", "puck against a stop",
+              dragged_puck(R"(<geom type="box" pos="0 0 -0.07" size="0.2 0.2 0.05" solref="0.004 1"/>)"),
+              press(Point::Zero()), {.stiffness = 0.9, .error = kGoalOfWhatMoves.error});
+    std::ranges::move(body_tasks(), std::back_inserter(tasks.all));
+  }
+}
+
 }  // namespace
 
 std::vector<RenderingTask> rendering_tasks() {
-  const device::DeviceDescription firm = sim::firm_device();
   const device::DeviceDescription light = device::parse_device(kLightDevice, "light");
-  const std::string plane = "{ kind = 'half_space', through_m = [0, 0, 0], normal = [0, 0, 1] }";
   const Point origin = Point::Zero();
   const Point top(0, 0, 0.03);
   const auto fine = bumpy_ball(61, 49);      // 5,856 triangles
@@ -204,60 +257,24 @@ std::vector<RenderingTask> rendering_tasks() {
   const auto mesh = [](const std::shared_ptr<const scene::TriangleMesh>& triangles, double stiffness_N_per_m) {
     return scene_with({"mesh", {{"file", triangles->name()}}}, stiffness_N_per_m, {.mesh = triangles});
   };
-  const RenderingGoal of_a_stop{.stiffness = 0.9, .error = kGoalOfWhatMoves.error};
-  std::vector<RenderingTask> tasks;
-  const auto add = [&](const std::string& group, const std::string& name, std::shared_ptr<const scene::Scene> scene,
-                       const HarmonicMotion& motion, const RenderingGoal& goal = {}) {
-    tasks.push_back({name, group, goal, std::move(scene), firm, hand(motion)});
-  };
-  const std::string shapes = "primitives";
-  add("plane", "plane, pressed at 3 Hz", parsed(plane), press(origin));
-  add("plane", "plane", parsed(plane), slide(origin));
-  add(shapes, "ball", parsed("{ kind = 'sphere', center_m = [0, 0, 0], radius_m = 0.03 }"), slide(top));
-  add(shapes, "cylinder", parsed("{ kind = 'cylinder', from_m = [0, -0.05, 0], to_m = [0, 0.05, 0], radius_m = 0.03 }"),
-      slide(top));
-  add(shapes, "torus",
-      parsed("{ kind = 'torus', center_m = [0, 0, 0], axis = [0, 1, 0], major_radius_m = 0.02, "
-             "minor_radius_m = 0.01 }"),
-      slide(top));
-  add("edge", "edge of a box", parsed("{ kind = 'box', center_m = [0, 0.05, -0.05], size_m = [0.2, 0.1, 0.1] }"),
-      slide(Point(0, 0.0003, 0)));
-  add("corner", "corner of a box", parsed("{ kind = 'box', center_m = [0.05, 0.05, -0.05], size_m = [0.1, 0.1, 0.1] }"),
-      slide(Point(0.005, 0.0003, 0)));
-  add("friction", "friction",
-      parsed(plane, ", 'friction'", "[object.friction]\nstatic_coefficient = 0.4\ndynamic_coefficient = 0.3\n"),
-      slide(origin));
-  add("friction", "stick-slip",
-      parsed(plane, ", 'stick_slip'", "[object.stick_slip]\nstiffness_N_per_m = 2000\nslip_N = 1\n"),
-      slide(origin, 0.05));
-  add("height field", "height field", bumps(), slide(origin));
+  FirmTasks firm;
+  add_shapes(firm);
   for (const double speed_m_per_s : {0.05, 0.1, 0.5}) {
-    add("mesh of 5856", "mesh of 5,856, " + text::to_text(speed_m_per_s) + " m/s", mesh(fine, kFirmStiffness_N_per_m),
-        slide(top, speed_m_per_s));
+    firm.add("mesh of 5856", "mesh of 5,856, " + text::to_text(speed_m_per_s) + " m/s",
+             mesh(fine, kFirmStiffness_N_per_m), slide(top, speed_m_per_s));
   }
   for (const double speed_m_per_s : {0.05, 0.1, 0.5}) {
-    add("mesh of 70000", "mesh of 70,000, " + text::to_text(speed_m_per_s) + " m/s",
-        mesh(finest, kFirmStiffness_N_per_m), slide(top, speed_m_per_s));
+    firm.add("mesh of 70000", "mesh of 70,000, " + text::to_text(speed_m_per_s) + " m/s",
+             mesh(finest, kFirmStiffness_N_per_m), slide(top, speed_m_per_s));
   }
-  tasks.push_back({"mesh of 181,920 at once",
-                   "mesh at once",
-                   {},
-                   mesh(bumpy_ball(240, 380), kFirmStiffness_N_per_m),
-                   firm,
-                   hand_at_once(slide(top))});
-  // Beside a node of its surface, where nothing is special.
-  add("tissue", "pad, pressed at 3 Hz", soft_pad(), press(Point(0.004, 0.003, 0)), kGoalOfWhatMoves);
-  add("tissue", "pad", soft_pad(), slide(Point(0.004, 0.003, 0)), kGoalOfWhatMoves);
-  constexpr double kBall_m = 0.008;
-  add("tissue", "pad, ball at 0.06 m/s", soft_pad("probe_radius_m = " + text::to_text(kBall_m) + "\n"),
-      slide(Point(0.004, 0.003, kBall_m), 0.06), kGoalOfWhatMoves);
-  if (server::has_bodies()) {
-    add("body by hand only", "free puck", dragged_puck(), press(origin), kGoalOfWhatMoves);
-    add("body against a stop", "puck against a stop",
-        dragged_puck(R"(<geom type="box" pos="0 0 -0.07" size="0.2 0.2 0.05" solref="0.004 1"/>)"), press(origin),
-        of_a_stop);
-    std::ranges::move(body_tasks(), std::back_inserter(tasks));
-  }
+  firm.all.push_back({"mesh of 181,920 at once",
+                      "mesh at once",
+                      {},
+                      mesh(bumpy_ball(240, 380), kFirmStiffness_N_per_m),
+                      firm.device,
+                      hand_at_once(slide(top))});
+  add_what_moves(firm);
+  std::vector<RenderingTask> tasks = std::move(firm.all);
   tasks.push_back(
       {"light device, plane",
        "light device",
