@@ -192,6 +192,7 @@ std::string words_of(const MotionFates& fates) {
 
 std::vector<Fault> faults_of(const RunTotals& t) {
   std::vector<Fault> faults;
+  faults.reserve(wire::kMalformed.size());
   for (const wire::MalformedRow& row : wire::kMalformed) {
     faults.push_back({std::string("malformed_") + row.name, t.malformed[row.reason], row.one, row.many});
   }
