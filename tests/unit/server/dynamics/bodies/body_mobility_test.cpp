@@ -28,9 +28,8 @@ struct Movable {
   BodyMobility mobility;
 
   explicit Movable(const std::string& bodies, const std::string& more = "")
-      : model(compile_mjcf("<mujoco><option timestep='0.001'/><worldbody>" + bodies + "</worldbody>" + more +
-                               "</mujoco>",
-                           "m.xml")),
+      : model(compile_mjcf(
+            "<mujoco><option timestep='0.001'/><worldbody>" + bodies + "</worldbody>" + more + "</mujoco>", "m.xml")),
         data(make_data(*model)),
         mobility(*model) {
     forward(*model, *data);
@@ -50,8 +49,8 @@ struct Movable {
     const scene::Point at_m = Eigen::Map<const scene::Point>(data->xipos + 3 * id(body));
     return mobility.answer(*model, *data, id(body), at_m, direction, pushed_N);
   }
-  local_model::Body answer_with(const BodyMobility::Contacts& contacts, const char* body,
-                                const scene::Point& direction, const scene::Point& pushed_N = kUnpushed) {
+  local_model::Body answer_with(const BodyMobility::Contacts& contacts, const char* body, const scene::Point& direction,
+                                const scene::Point& pushed_N = kUnpushed) {
     EXPECT_TRUE(mobility.consider(*model, *data, contacts));
     const auto found = answer(body, direction, pushed_N);
     EXPECT_TRUE(found);
@@ -163,8 +162,8 @@ TEST(BodyMobility, AWeldCarriesWhatIsHeld) {
   const local_model::Body body = welded.answer_with({}, "first", kAnyWay);
   constexpr double kBoth_kg = kFirst_kg + kSecond_kg;
   constexpr double kFromMiddle_m = kBetween_m * kSecond_kg / kBoth_kg;
-  constexpr double kInertia_kg_m2 = 0.4 * kBoth_kg * kRadius_m * kRadius_m + kFirst_kg * kSecond_kg / kBoth_kg *
-                                                                                 kBetween_m * kBetween_m;
+  constexpr double kInertia_kg_m2 =
+      0.4 * kBoth_kg * kRadius_m * kRadius_m + kFirst_kg * kSecond_kg / kBoth_kg * kBetween_m * kBetween_m;
   constexpr double kAcross_per_kg = 1 / kBoth_kg + kFromMiddle_m * kFromMiddle_m / kInertia_kg_m2;
   EXPECT_NEAR(body.mobility_per_kg(0, 0) * kBoth_kg, 1, 0.01);
   EXPECT_NEAR(body.mobility_per_kg(1, 1) / kAcross_per_kg, 1, 0.01);
@@ -211,8 +210,8 @@ TEST(BodyMobility, RoomOfAHingeIsAtTheLeverOfThePoint) {
   Movable hinged(kHinged);
   ASSERT_TRUE(hinged.mobility.consider(*hinged.model, *hinged.data, {}));
   const auto room = [&](const scene::Point& direction) {
-    EXPECT_TRUE(hinged.mobility.answer(*hinged.model, *hinged.data, hinged.id("door"), {0.4, 0, 0}, direction,
-                                       kUnpushed));
+    EXPECT_TRUE(
+        hinged.mobility.answer(*hinged.model, *hinged.data, hinged.id("door"), {0.4, 0, 0}, direction, kUnpushed));
     return hinged.mobility.room_of_joints_m(*hinged.model, *hinged.data);
   };
   EXPECT_NEAR(room(scene::Point::UnitY()).along_m, 0.4 * std::numbers::pi / 3, 1e-9);
