@@ -73,10 +73,53 @@ void add_symmetric(const Eigen::Matrix3d& from, RepeatedFloats* to) noexcept {
   }
 }
 
+/// Takes one number after the other.
+class NumbersOf {
+ public:
+  explicit NumbersOf(const RepeatedFloats& from, int first = 0) noexcept : from_(from), next_(first) {}
+  double number() noexcept { return static_cast<double>(from_.Get(next_++)); }
+  Point point() noexcept {
+    Point to;
+    for (double& axis : to) axis = number();
+    return to;
+  }
+  Eigen::Matrix3d symmetric() noexcept {
+    Eigen::Matrix3d to;
+    for (Eigen::Index row = 0; row < 3; ++row) {
+      for (Eigen::Index column = row; column < 3; ++column) to(row, column) = to(column, row) = number();
+    }
+    return to;
+  }
+  // Members in the order in which they are read.
+  local_model::Body body() noexcept {
+    return {.velocity_m_per_s = point(),
+            .bias_m_per_s2 = point(),
+            .mobility_per_kg = symmetric(),
+            .spring_N_per_m = number(),
+            .damper_N_s_per_m = number(),
+            .dry_friction_N = number()};
+  }
+  local_model::Contact contact() noexcept {
+    return {.normal = point(),
+            .gap_m = number(),
+            .compliance_per_kg = number(),
+            .stiffness_per_s2 = number(),
+            .damping_per_s = number(),
+            .friction = number(),
+            .radius_m = number(),
+            .travel_m = number(),
+            .return_m = number()};
+  }
+
+ private:
+  const RepeatedFloats& from_;
+  int next_;
+};
+
 /// Not a number where there are not as many as there should be: the model is then unsound.
 Point point_of(const RepeatedFloats& from) noexcept {
   if (from.size() != 3) return Point::Constant(std::numeric_limits<double>::quiet_NaN());
-  return Point(from.Get(0), from.Get(1), from.Get(2));
+  return NumbersOf(from).point();
 }
 
 Point point_or_zero(const RepeatedFloats& from) noexcept {
@@ -84,14 +127,8 @@ Point point_or_zero(const RepeatedFloats& from) noexcept {
 }
 
 Eigen::Matrix3d symmetric_of(const RepeatedFloats& from) noexcept {
-  Eigen::Matrix3d matrix = Eigen::Matrix3d::Constant(std::numeric_limits<double>::quiet_NaN());
-  if (from.size() != 6) return matrix;
-  int at = 0;
-  for (Eigen::Index row = 0; row < 3; ++row) {
-    for (Eigen::Index column = row; column < 3; ++column)
-      matrix(row, column) = matrix(column, row) = static_cast<double>(from.Get(at++));
-  }
-  return matrix;
+  if (from.size() != 6) return Eigen::Matrix3d::Constant(std::numeric_limits<double>::quiet_NaN());
+  return NumbersOf(from).symmetric();
 }
 
 // Of EnvironmentForce's model_bits: one number, since a frame has no room for one in each part.
@@ -151,49 +188,6 @@ void add(const local_model::Contact& from, RepeatedFloats* to) noexcept {
     add_number(number, to);
 }
 
-/// Takes one number after the other.
-class NumbersOf {
- public:
-  NumbersOf(const RepeatedFloats& from, int first) noexcept : from_(from), next_(first) {}
-  double number() noexcept { return static_cast<double>(from_.Get(next_++)); }
-  Point point() noexcept {
-    Point to;
-    for (double& axis : to) axis = number();
-    return to;
-  }
-  Eigen::Matrix3d symmetric() noexcept {
-    Eigen::Matrix3d to;
-    for (Eigen::Index row = 0; row < 3; ++row) {
-      for (Eigen::Index column = row; column < 3; ++column) to(row, column) = to(column, row) = number();
-    }
-    return to;
-  }
-  // Members in the order in which they are read.
-  local_model::Body body() noexcept {
-    return {.velocity_m_per_s = point(),
-            .bias_m_per_s2 = point(),
-            .mobility_per_kg = symmetric(),
-            .spring_N_per_m = number(),
-            .damper_N_s_per_m = number(),
-            .dry_friction_N = number()};
-  }
-  local_model::Contact contact() noexcept {
-    return {.normal = point(),
-            .gap_m = number(),
-            .compliance_per_kg = number(),
-            .stiffness_per_s2 = number(),
-            .damping_per_s = number(),
-            .friction = number(),
-            .radius_m = number(),
-            .travel_m = number(),
-            .return_m = number()};
-  }
-
- private:
-  const RepeatedFloats& from_;
-  int next_;
-};
-
 void fill(const local_model::Mass& from, v1::ModelMass& to) noexcept {
   to.set_id(from.id);
   add_point(from.force_N, to.mutable_force_n());
@@ -223,7 +217,7 @@ local_model::Mass to_model(const v1::ModelMass& from) noexcept {
   const int met = from.met_size() / kBodyNumbers;
   const bool whole = from.contacts_size() % kContactNumbers == 0 && from.met_size() % kBodyNumbers == 0;
   if (from.body_size() != kBodyNumbers || !whole || contacts > kMost || met > contacts) return to;
-  to.body = NumbersOf(from.body(), 0).body();
+  to.body = NumbersOf(from.body()).body();
   for (int i = 0; i < contacts; ++i) {
     local_model::Contact& contact = to.contacts.at(static_cast<std::size_t>(i));
     contact = NumbersOf(from.contacts(), i * kContactNumbers).contact();

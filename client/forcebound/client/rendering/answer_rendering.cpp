@@ -169,10 +169,9 @@ AnswerRendering::Rendered AnswerRendering::render(const wire::EnvironmentForce& 
       {.time = tick.now, .modelled = now.foretells, .modelled_N = held_now_N + now.foretold_N, .held_N = held_now_N});
   Point correction_N = now.correction_N;
   if (!model_.empty() || !fading_N_.isZero(0)) {
-    const Point all_N = tick.share * held_N(tick.server_parts_alone) + now.correction_N;
+    const Point all_N = tick.share * held_now_N + now.correction_N;
     correction_N += fading_N_;
-    if (all_N.allFinite() && all_N.norm() > tick.force_N_max)
-      correction_N += local_model::no_longer_than(all_N, tick.force_N_max) - all_N;
+    if (all_N.allFinite()) correction_N += shown_N(now, tick.share, tick) - all_N;
   }
   const Eigen::Index rows = tick.place.rows();
   if (!correction_N.allFinite()) {

@@ -24,9 +24,9 @@ using control::Vector;
 /// h is the answer's force, of which the scene at the client may compute some parts itself; it is held, with the share
 /// s that the late-force policy leaves of it. Of h the parts h_i are replaced by what their local models say at the
 /// device's own place x, as far as these hold there (w_i) and have foretold the answers better than holding did (q, see
-/// Foresight). Where another answer would request another T on the same
-/// tick, the difference o fades with a time constant of 5 ms: that of what the device can show of both. A force without
-/// a model is held as it is, and nothing fades.
+/// Foresight). Where another answer would request another T on the same tick, the difference o fades with a time
+/// constant of 5 ms: that of what the device can show of both. A force without a model is held as it is, and nothing
+/// fades.
 ///
 /// When the server is silent, what moves by itself and what is held fades: s_i = s. A surface at rest and a dragged
 /// mass stay as far as their models hold, s_i = 1, but of what else pulls at the mass the same share s is left: what

@@ -55,18 +55,16 @@ bool DraggedMass::stands() const noexcept {
 
 /// Along the device's way since.
 void DraggedMass::catch_up() noexcept {
-  const std::size_t known = std::min(tick_count_, kTicks);
-  std::size_t back = 0;  // ticks that ended later
-  while (back < known && ticks_[(tick_count_ - 1 - back) % kTicks].time > reached_) ++back;
   // What the ticks do not tell of: before them, or in a pause.
   const auto go_straight_to = [&](Nanoseconds time) {
     if (time <= reached_) return;
     later_state_.place_m += time::to_seconds(time - reached_) * later_state_.velocity_m_per_s;
     reached_ = time;
   };
-  for (int steps = 0; back > 0; --back) {
+  int steps = 0;
+  for (std::size_t later = ticks_.later_than(reached_); later > 0; --later) {
     if (steps >= kCatchUp) return;
-    const Tick& tick = ticks_[(tick_count_ - back) % kTicks];
+    const Tick& tick = ticks_.at(later - 1);
     go_straight_to(tick.time - time::from_seconds(tick.elapsed_s));
     steps += move(later_, tick.device, time::to_seconds(tick.time - reached_), tick.share, later_state_);
     reached_ = tick.time;
@@ -77,8 +75,7 @@ void DraggedMass::catch_up() noexcept {
 void DraggedMass::advance(const DevicePoint& device, double elapsed_s, Nanoseconds now, double share) noexcept {
   now_ = now;
   if (!(elapsed_s > 0)) return;
-  ticks_[tick_count_ % kTicks] = {.time = now, .device = device, .elapsed_s = elapsed_s, .share = share};
-  ++tick_count_;
+  ticks_.push({.time = now, .device = device, .elapsed_s = elapsed_s, .share = share});
   if (there_) (void)move(reported_, device, elapsed_s, share, state_);
   if (coming_) catch_up();
 }

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 
 #include "forcebound/client/rendering/device_point.hpp"
 #include "forcebound/client/rendering/mass_step.hpp"
+#include "forcebound/client/rendering/tick_ring.hpp"
 #include "forcebound/time/clock.hpp"
 
 namespace forcebound::client {
@@ -79,8 +79,7 @@ class DraggedMass {
   Nanoseconds reached_{0};
   Nanoseconds now_{0};
   double deviation_m_ = 0;
-  std::array<Tick, kTicks> ticks_{};  // a ring
-  std::size_t tick_count_ = 0;        // of all that there were
+  TickRing<Tick, kTicks> ticks_;
 };
 
 }  // namespace forcebound::client

@@ -11,17 +11,10 @@ constexpr double kCountsMost_s = 0.01;
 
 }  // namespace
 
-void Foresight::remember(const Tick& tick) noexcept {
-  ticks_[tick_count_ % kTicks] = tick;
-  ++tick_count_;
-}
-
 void Foresight::compare(Nanoseconds then, const Point& told_N) noexcept {
-  const std::size_t known = std::min(tick_count_, kTicks);
-  std::size_t back = 1;
-  while (back <= known && ticks_[(tick_count_ - back) % kTicks].time > then) ++back;
-  if (back > known) return;
-  const Tick& tick = ticks_[(tick_count_ - back) % kTicks];
+  const std::size_t later = ticks_.later_than(then);
+  if (later == ticks_.size()) return;
+  const Tick& tick = ticks_.at(later);
   if (!tick.modelled) return;
   const double modelled_N2 = (tick.modelled_N - told_N).squaredNorm();
   const double held_N2 = (tick.held_N - told_N).squaredNorm();

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 
+#include "forcebound/client/rendering/tick_ring.hpp"
 #include "forcebound/local_model/local_model.hpp"
 #include "forcebound/time/clock.hpp"
 
@@ -32,7 +32,7 @@ class Foresight {
     Point held_N = Point::Zero();
   };
 
-  void remember(const Tick& tick) noexcept;
+  void remember(const Tick& tick) noexcept { ticks_.push(tick); }
 
   /// An answer tells what the force was then.
   void compare(Nanoseconds then, const Point& told_N) noexcept;
@@ -43,9 +43,8 @@ class Foresight {
  private:
   static constexpr std::size_t kTicks = 512;
 
-  std::array<Tick, kTicks> ticks_{};  // a ring
-  std::size_t tick_count_ = 0;        // of all that there were
-  Nanoseconds compared_{0};           // the newest time of which an answer told
+  TickRing<Tick, kTicks> ticks_;
+  Nanoseconds compared_{0};  // the newest time of which an answer told
   double modelled_N2_ = 0;
   double held_N2_ = 0;
   double trust_ = 1;

@@ -82,7 +82,8 @@ BodyMobility::BodyMobility(const mjModel_& model) {
   going_.resize(degrees);
   borne_.resize(degrees);
   loaded_.resize(degrees);
-  at_contact_.resize(3 * degrees);
+  apart_.resize(3 * degrees);
+  of_first_.resize(3 * degrees);
   moved_.resize(3 * degrees);
   along_.resize(degrees);
 }
@@ -90,7 +91,7 @@ BodyMobility::BodyMobility(const mjModel_& model) {
 double BodyMobility::predicted_cost_ns(const mjModel_& model) noexcept {
   if (!can_do(model)) return 0;
   const double degrees = model.nv;
-  // The constraints' outer products, a factorisation, and three solutions.
+  // Outer products of as many rows, a factorisation, and three solutions.
   return kMultiplication_ns * degrees * degrees * (degrees + degrees / 6 + 3);
 }
 
@@ -117,18 +118,18 @@ void BodyMobility::hold(double weight_kg) noexcept {
   }
 }
 
+/// How the second of two bodies moves from the first at their contact, in `apart_`.
+void BodyMobility::look_at(const mjModel_& model, const mjData_& data, const mjContact_& contact) noexcept {
+  mj_jac(&model, &data, apart_.data(), nullptr, contact.pos, model.geom_bodyid[contact.geom2]);
+  mj_jac(&model, &data, of_first_.data(), nullptr, contact.pos, model.geom_bodyid[contact.geom1]);
+  for (std::size_t i = 0; i < apart_.size(); ++i) apart_[i] -= of_first_[i];
+}
+
 /// Along its normal, and between two that move also along its surface, unless they slip.
 void BodyMobility::hold(const mjModel_& model, const mjData_& data, const mjContact_& contact, bool slips) noexcept {
-  const std::array<int, 2> bodies{model.geom_bodyid[contact.geom1], model.geom_bodyid[contact.geom2]};
-  mj_jac(&model, &data, jacobian_.data(), nullptr, contact.pos, bodies[0]);
-  mj_jac(&model, &data, moved_.data(), nullptr, contact.pos, bodies[1]);
+  look_at(model, data, contact);
   for (int axis = 0; axis < (slips || rubs_on_the_ground(model, contact) ? 1 : 3); ++axis) {
-    std::ranges::fill(row_, 0.0);
-    for (int of = 0; of < 3; ++of) {
-      const std::size_t begin = static_cast<std::size_t>(of) * row_.size();
-      for (std::size_t i = 0; i < row_.size(); ++i)
-        row_[i] += contact.frame[3 * axis + of] * (moved_[begin + i] - jacobian_[begin + i]);
-    }
+    mju_mulMatTVec(row_.data(), apart_.data(), contact.frame + 3 * axis, 3, model.nv);
     hold(hardness_kg(model, contact));
   }
 }
@@ -160,22 +161,17 @@ bool BodyMobility::factor(const mjModel_& model, const mjData_& data) noexcept {
   return true;
 }
 
-/// By how much the second of two bodies moves from the first at their contact.
-scene::Point BodyMobility::apart(const mjModel_& model, const mjData_& data, const mjContact_& contact,
-                                 const std::vector<double>& joints) noexcept {
-  scene::Point moved[2];
-  for (const int which : {0, 1}) {
-    const int geom = which == 0 ? contact.geom1 : contact.geom2;
-    mj_jac(&model, &data, at_contact_.data(), nullptr, contact.pos, model.geom_bodyid[geom]);
-    mju_mulMatVec(moved[which].data(), at_contact_.data(), joints.data(), 3, model.nv);
-  }
-  return moved[1] - moved[0];
+/// At the contact looked at, by motions of the joints.
+scene::Point BodyMobility::apart(const std::vector<double>& joints) const noexcept {
+  scene::Point moved;
+  mju_mulMatVec(moved.data(), apart_.data(), joints.data(), 3, static_cast<int>(joints.size()));
+  return moved;
 }
 
-/// What presses both bodies of a contact together: the forces that bear what pulls and pushes at them, and not those of
-/// one step, in which a body that rests trembles.
-double BodyMobility::bearing_N(const mjModel_& model, const mjData_& data, const mjContact_& contact) noexcept {
-  return -hardness_kg(model, contact) * normal_of(contact).dot(apart(model, data, contact, borne_));
+/// What presses both bodies of the contact looked at together: the forces that bear what pulls and pushes at them, and
+/// not those of one step, in which a body that rests trembles.
+double BodyMobility::bearing_N(const mjModel_& model, const mjContact_& contact) const noexcept {
+  return -hardness_kg(model, contact) * normal_of(contact).dot(apart(borne_));
 }
 
 /// Of contacts that slide while the point moves along the direction.
@@ -187,8 +183,8 @@ double BodyMobility::dry_friction_N(const mjModel_& model, const mjData_& data, 
   for (std::size_t i = 0; i < contacts_.contacts.size(); ++i) {
     const mjContact& contact = contacts_.contacts[i];
     if (!counts(model, contact) || !(slips_.at(i) || rubs_on_the_ground(model, contact))) continue;
-    const scene::Point slides = beside(normal_of(contact), apart(model, data, contact, along_));
-    sum_N += contact.friction[0] * bearing_N(model, data, contact) * slides.norm();
+    look_at(model, data, contact);
+    sum_N += contact.friction[0] * bearing_N(model, contact) * beside(normal_of(contact), apart(along_)).norm();
   }
   return std::max(0.0, sum_N);
 }
@@ -200,15 +196,12 @@ bool BodyMobility::find_slips(const mjModel_& model, const mjData_& data, double
   mju_mulMatTVec(pulled_.data(), jacobian_.data(), push_N.data(), 3, model.nv);
   for (const mjContact& contact : contacts_.contacts) {
     if (!counts(model, contact) || !rubs_on_the_ground(model, contact)) continue;
-    const scene::Point slides = beside(normal_of(contact), apart(model, data, contact, along_));
+    look_at(model, data, contact);
+    const scene::Point slides = beside(normal_of(contact), apart(along_));
     if (!(slides.norm() > kHeld)) continue;
-    const scene::Point rubs_N = contact.friction[0] * bearing_N(model, data, contact) * slides.normalized();
-    // On the one that moves.
-    const bool second = stands_still(model, model.geom_bodyid[contact.geom1]);
-    const int body = model.geom_bodyid[second ? contact.geom2 : contact.geom1];
-    mj_jac(&model, &data, at_contact_.data(), nullptr, contact.pos, body);
-    const scene::Point on_it_N = second ? scene::Point(-rubs_N) : rubs_N;
-    mju_mulMatTVec(row_.data(), at_contact_.data(), on_it_N.data(), 3, model.nv);
+    // On the second, and as much on the first the other way.
+    const scene::Point rubs_N = -contact.friction[0] * bearing_N(model, contact) * slides.normalized();
+    mju_mulMatTVec(row_.data(), apart_.data(), rubs_N.data(), 3, model.nv);
     mju_addTo(pulled_.data(), row_.data(), model.nv);
   }
   mju_cholSolve(loaded_.data(), inertia_.data(), pulled_.data(), model.nv);
@@ -216,8 +209,9 @@ bool BodyMobility::find_slips(const mjModel_& model, const mjData_& data, double
   for (std::size_t i = 0; i < contacts_.contacts.size(); ++i) {
     const mjContact& contact = contacts_.contacts[i];
     if (!counts(model, contact) || slips_.at(i) || rubs_on_the_ground(model, contact)) continue;
-    const scene::Point asked = beside(normal_of(contact), apart(model, data, contact, loaded_));
-    const double most_N = contact.friction[0] * std::max(0.0, bearing_N(model, data, contact));
+    look_at(model, data, contact);
+    const scene::Point asked = beside(normal_of(contact), apart(loaded_));
+    const double most_N = contact.friction[0] * std::max(0.0, bearing_N(model, contact));
     slips_.at(i) = hardness_kg(model, contact) * asked.norm() > most_N + kNothing_N;
     more = more || slips_.at(i);
   }

@@ -70,9 +70,9 @@ class BodyMobility {
   void hold(double weight_kg) noexcept;
   void hold(const mjModel_& model, const mjData_& data, const mjContact_& contact, bool slips) noexcept;
   [[nodiscard]] bool factor(const mjModel_& model, const mjData_& data) noexcept;
-  [[nodiscard]] scene::Point apart(const mjModel_& model, const mjData_& data, const mjContact_& contact,
-                                   const std::vector<double>& joints) noexcept;
-  [[nodiscard]] double bearing_N(const mjModel_& model, const mjData_& data, const mjContact_& contact) noexcept;
+  void look_at(const mjModel_& model, const mjData_& data, const mjContact_& contact) noexcept;
+  [[nodiscard]] scene::Point apart(const std::vector<double>& joints) const noexcept;
+  [[nodiscard]] double bearing_N(const mjModel_& model, const mjContact_& contact) const noexcept;
   [[nodiscard]] bool find_slips(const mjModel_& model, const mjData_& data, double pushed_N) noexcept;
   [[nodiscard]] std::optional<local_model::Body> answer_once(const mjModel_& model, const mjData_& data, int body,
                                                              const scene::Point& at_m, const scene::Point& direction,
@@ -89,10 +89,11 @@ class BodyMobility {
   std::vector<double> going_;  // velocities of the joints, less what the constraints do not let go on
   std::vector<double> moved_;  // what forces at the point along each axis add to accelerations, 3 rows
   scene::Point way_ = scene::Point::Zero();
-  std::vector<double> borne_;       // accelerations under what pulls and pushes, as far as contacts give way
-  std::vector<double> loaded_;      // accelerations while the point is pushed as hard as friction bears
-  std::vector<double> at_contact_;  // Jacobian of a contact, 3 rows
-  std::vector<double> along_;       // how joints move while the point moves by 1 along the direction
+  std::vector<double> borne_;     // accelerations under what pulls and pushes, as far as contacts give way
+  std::vector<double> loaded_;    // accelerations while the point is pushed as hard as friction bears
+  std::vector<double> apart_;     // Jacobian of a contact: of its second body less of its first, 3 rows
+  std::vector<double> of_first_;  // 3 rows
+  std::vector<double> along_;     // how joints move while the point moves by 1 along the direction
 };
 
 /// How far a body can go along a direction before it meets something that cannot move [m]; infinite if nothing is in

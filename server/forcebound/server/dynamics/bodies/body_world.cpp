@@ -305,23 +305,15 @@ scene::Point BodyWorld::bearing_N(const Probe& probe) const noexcept {
 scene::ModelTouch BodyWorld::touch(int at) noexcept {
   const Seat& seat = seats_[static_cast<std::size_t>(at)];
   scene::ModelTouch touch{.force_N = seat.force_N};
-  const bool in_contact = seat.held >= 0 || deepest_contact(seat.body) != nullptr;
+  const std::span contacts(data_->contact, static_cast<std::size_t>(data_->ncon));
+  const bool in_contact = seat.held >= 0 || std::ranges::any_of(contacts, [&](const mjContact& contact) {
+                            return touches(*model_, contact, seat.body);
+                          });
   const double depth_m = seat.pushed_m.norm();
   if (!in_contact || !(depth_m > 0)) return touch;
   touch.normal = seat.pushed_m / depth_m;
   touch.penetration_m = depth_m;
   return touch;
-}
-
-/// Of a body, with others than `but`; null: it touches nothing.
-const mjContact_* BodyWorld::deepest_contact(int body, int but) const noexcept {
-  const mjContact* deepest = nullptr;
-  for (int i = 0; i < data_->ncon; ++i) {
-    const mjContact& contact = data_->contact[i];
-    if (!touches(*model_, contact, body) || (but >= 0 && touches(*model_, contact, but))) continue;
-    if (deepest == nullptr || contact.dist < deepest->dist) deepest = &contact;
-  }
-  return deepest;
 }
 
 bool BodyWorld::describe(int at, local_model::LocalModel& model) noexcept {

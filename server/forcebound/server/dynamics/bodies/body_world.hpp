@@ -93,7 +93,6 @@ class BodyWorld final : public scene::DynamicModelState {
   void let_go(Seat& seat) noexcept;
   [[nodiscard]] double carried_N(const Seat& seat) const noexcept;
   [[nodiscard]] scene::Point bearing_N(const Probe& probe) const noexcept;
-  [[nodiscard]] const mjContact_* deepest_contact(int body, int but = -1) const noexcept;
 
   ModelPointer model_;
   DataPointer data_;
