@@ -178,7 +178,7 @@ std::shared_ptr<const scene::TriangleMesh> GeometryAssembly::made_mesh() const {
   std::ranges::copy_if(triangles_, std::back_inserter(triangles),
                        [](const scene::Triangle& triangle) { return triangle[0] != kUnknown; });
   if (whole() && triangles.size() != triangles_.size()) throw HandoverError("a mesh lacks triangles of the manifest");
-  return std::make_shared<const scene::TriangleMesh>("mesh", vertices_m, triangles, frame_, whole());
+  return std::make_shared<const scene::TriangleMesh>("mesh", vertices_m, triangles, frame_);
 }
 
 Box GeometryAssembly::whole_box_m() const {

@@ -14,6 +14,9 @@
 namespace forcebound::scene {
 namespace {
 
+// Who begins beside a part of a mesh knows all of it so far about.
+constexpr double kPartKnown_m = 1e-3;
+
 class MeshShape final : public Shape {
  public:
   MeshShape(std::shared_ptr<const TriangleMesh> mesh, const MeshShapeOptions& options)
@@ -74,7 +77,9 @@ class MeshShape final : public Shape {
     if (!sides_ || !position_m.allFinite()) return;
     const Point local_m = position_m - mesh().origin_m();
     if (mesh().report().volume_m3 > 0 && !mesh().box_m().contains(local_m)) return;
-    const auto found = object_.bvh().nearest(local_m);
+    // What is further from a part tells no sides: what lies beside it may be missing.
+    const bool part = mesh().triangles().size() < mesh().report().triangles;
+    const auto found = object_.bvh().nearest(local_m, part ? kPartKnown_m : std::numeric_limits<double>::infinity());
     if (found && sides_->is_inside(local_m, *found)) {
       proxy = proxy_at(found->point_m, local_m);
     }

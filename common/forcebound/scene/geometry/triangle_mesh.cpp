@@ -84,7 +84,7 @@ TriangleMesh::TriangleMesh(std::string name, const std::vector<Point>& vertices,
 }
 
 TriangleMesh::TriangleMesh(std::string name, const std::vector<Point>& vertices_m,
-                           const std::vector<Triangle>& triangles, const MeshFrame& frame, bool whole)
+                           const std::vector<Triangle>& triangles, const MeshFrame& frame)
     : name_(std::move(name)),
       origin_m_(frame.origin_m),
       size_m_(frame.box_m.isEmpty() ? 0 : 0.5 * frame.box_m.sizes().stableNorm()),
@@ -99,7 +99,7 @@ TriangleMesh::TriangleMesh(std::string name, const std::vector<Point>& vertices_
     }
   }
   mend();
-  if (whole) report_ = frame.report;
+  report_ = frame.report;
 }
 
 void TriangleMesh::mend() {

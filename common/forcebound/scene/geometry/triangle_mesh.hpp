@@ -70,11 +70,10 @@ class TriangleMesh {
 
   /// The whole or a part of a mesh whose vertices are given in its own frame: made of all of another mesh's vertices
   /// and triangles with its frame, it is that mesh again, to the bit. A part is as large as the whole for all that
-  /// counts in shares of the size.
-  /// @param whole whether all of it is there, and the report that of the frame
+  /// counts in shares of the size, and reports what the whole is like.
   /// @throws GeometryError as above, and if the box does not hold the vertices
   TriangleMesh(std::string name, const std::vector<Point>& vertices_m, const std::vector<Triangle>& triangles,
-               const MeshFrame& frame, bool whole);
+               const MeshFrame& frame);
 
   [[nodiscard]] MeshFrame frame() const { return {.origin_m = origin_m_, .box_m = box_m_, .report = report_}; }
 
