@@ -11,6 +11,10 @@ namespace forcebound::handover {
 
 using scene::Point;
 
+/// How far beyond what is touched a surface must be known: the triangles about the god object count too, and a tick's
+/// way.
+inline constexpr double kBorder_m = 2e-3;
+
 /// Distance to the nearest piece of a geometry that has not arrived yet. Within it the surface is known; the border of
 /// what has arrived is no surface.
 ///

@@ -5,11 +5,13 @@
 #include <limits>
 #include <utility>
 
+#include "forcebound/handover/coarse_level.hpp"
 #include "forcebound/handover/handover_error.hpp"
 #include "forcebound/handover/hash.hpp"
 #include "forcebound/handover/internal/proto_values.hpp"
 #include "forcebound/scene/geometry/bvh.hpp"
 #include "forcebound/scene/geometry/height_field.hpp"
+#include "forcebound/text/numbers.hpp"
 
 namespace forcebound::handover {
 namespace {
@@ -72,6 +74,10 @@ GeometryAssembly::GeometryAssembly(const v1::Geometry& geometry, std::size_t fir
   if (!frame_.origin_m.allFinite() || !frame_.box_m.min().allFinite() || !frame_.box_m.max().allFinite() ||
       frame_.box_m.isEmpty() || !std::isfinite(geometry.volume_m3())) {
     throw HandoverError("a mesh of the manifest lies nowhere: its box is empty or not finite");
+  }
+  if (coarse_of() != 0 && !(frame_.report.closed() && error_m() >= 0 && error_m() <= kCoarseErrorMost_m)) {
+    throw HandoverError("a coarse level of the manifest must be closed, and its error within 0 to " +
+                        text::to_text(kCoarseErrorMost_m) + " m, got " + text::to_text(error_m()));
   }
   vertices_m_.assign(geometry.vertices(), Point::Constant(kNan));
   triangles_.assign(geometry.triangles(), {kUnknown, kUnknown, kUnknown});

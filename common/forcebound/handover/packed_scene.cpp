@@ -4,9 +4,11 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 
+#include "forcebound/handover/coarse_level.hpp"
 #include "forcebound/handover/internal/proto_values.hpp"
 #include "forcebound/scene/geometry/bvh.hpp"
 #include "forcebound/scene/geometry/height_field.hpp"
@@ -21,6 +23,7 @@ using scene::Point;
 struct Cut {
   std::string bytes;
   Box where_m;
+  bool comes_first = false;
 };
 
 Box everywhere() {
@@ -48,6 +51,12 @@ config::Values without_geometry(const scene::SceneObject& object) {
     }
   }
   return rest;
+}
+
+/// By a god object that is outside of it.
+bool is_felt_from_outside(const scene::SceneObject& object) {
+  const config::Values& values = object.shape_values;
+  return object.shape_kind == "mesh" && !(values.has("two_sided") && values.flag("two_sided"));
 }
 
 /// Gathers triangles until a piece is full.
@@ -120,22 +129,22 @@ void put_box(std::string& to, const Box& box_m, const Box& whole_m) {
   for (Eigen::Index axis = 0; axis < 3; ++axis) put_number(to, std::ceil(steps(box_m.max(), axis)) + 1);
 }
 
-std::vector<Cut> cut_mesh(const std::shared_ptr<const scene::TriangleMesh>& mesh, v1::Geometry& geometry) {
-  const scene::MeshFrame frame = mesh->frame();
+std::vector<Cut> cut_mesh(const scene::Bvh& bvh, v1::Geometry& geometry) {
+  const scene::TriangleMesh& mesh = bvh.mesh();
+  const scene::MeshFrame frame = mesh.frame();
   fill(frame.origin_m, geometry.mutable_origin());
   fill(frame.box_m.min(), geometry.mutable_box_low());
   fill(frame.box_m.max(), geometry.mutable_box_high());
-  geometry.set_vertices(static_cast<std::uint32_t>(mesh->vertices_m().size()));
-  geometry.set_triangles(static_cast<std::uint32_t>(mesh->triangles().size()));
+  geometry.set_vertices(static_cast<std::uint32_t>(mesh.vertices_m().size()));
+  geometry.set_triangles(static_cast<std::uint32_t>(mesh.triangles().size()));
   geometry.set_open_edges(static_cast<std::uint32_t>(frame.report.open_edges));
   geometry.set_non_manifold_edges(static_cast<std::uint32_t>(frame.report.non_manifold_edges));
   geometry.set_inconsistent_edges(static_cast<std::uint32_t>(frame.report.inconsistent_edges));
   geometry.set_volume_m3(frame.report.volume_m3);
 
   // In the order of the tree those near to each other follow each other.
-  const scene::Bvh bvh(mesh);
   std::vector<Cut> cuts;
-  MeshPieceWriter writer(*mesh);
+  MeshPieceWriter writer(mesh);
   for (const std::uint32_t triangle : bvh.order()) {
     if (writer.add(triangle)) continue;
     cuts.push_back(writer.take());
@@ -205,7 +214,14 @@ class ManifestWriter {
       const bool has_geometry = geometry.kind() != scene::GeometryKind::none;
       to->set_shape(from.shape_kind);
       fill(has_geometry ? without_geometry(from) : from.shape_values, to->mutable_shape_values());
-      if (has_geometry) to->set_geometry(add_geometry(geometry));
+      if (geometry.mesh) {
+        const scene::Bvh tree(geometry.mesh);
+        to->set_geometry(add_mesh(tree));
+        if (is_felt_from_outside(from)) add_coarse_level_of(tree);
+      }
+      if (geometry.heights) {
+        to->set_geometry(add_geometry([&](v1::Geometry& made) { return cut_heights(*geometry.heights, made); }));
+      }
     }
     for (const scene::RequestedEffect& requested : from.effects) {
       v1::SceneEffect* const effect = to->add_effects();
@@ -214,9 +230,29 @@ class ManifestWriter {
     }
   }
 
-  std::uint32_t add_geometry(const scene::ShapeGeometry& from) {
+  std::uint32_t add_mesh(const scene::Bvh& tree) {
+    return add_geometry([&](v1::Geometry& made) { return cut_mesh(tree, made); });
+  }
+
+  /// Of a mesh that was added just now.
+  void add_coarse_level_of(const scene::Bvh& tree) {
+    const std::optional<CoarseLevel> coarse = coarse_level_of(tree);
+    if (!coarse) return;
+    const auto full = static_cast<std::uint32_t>(manifest_.geometries_size());
+    (void)add_geometry([&](v1::Geometry& made) {
+      made.set_coarse_of(full);
+      made.set_error_m(coarse->error_m);
+      std::vector<Cut> cuts = cut_mesh(scene::Bvh(coarse->mesh), made);
+      for (Cut& cut : cuts) cut.comes_first = true;
+      return cuts;
+    });
+  }
+
+  /// @param cut_into fills in the geometry, and returns its pieces. @returns its number
+  template <class CutInto>
+  std::uint32_t add_geometry(CutInto cut_into) {
     v1::Geometry* const geometry = manifest_.add_geometries();
-    std::vector<Cut> cuts = from.mesh ? cut_mesh(from.mesh, *geometry) : cut_heights(*from.heights, *geometry);
+    std::vector<Cut> cuts = cut_into(*geometry);
     for (Cut& cut : cuts) {
       const Hash hash = hash_of(std::as_bytes(std::span(cut.bytes)));
       geometry->mutable_hashes()->append(reinterpret_cast<const char*>(hash.data()), kHashBytes);
@@ -234,15 +270,15 @@ class ManifestWriter {
 PackedScene::PackedScene(const scene::Scene& scene) {
   ManifestWriter writer(scene);
   const std::string manifest = writer.manifest();
-  const auto put = [this](std::string_view bytes, const Box& where_m) {
+  const auto put = [this](std::string_view bytes, const Box& where_m, bool comes_first) {
     if (bytes.size() > kPieceBytesMax) throw scene::GeometryError("a piece of the scene has no place in a datagram");
-    pieces_.push_back({bytes_.size(), bytes.size(), where_m});
+    pieces_.push_back({bytes_.size(), bytes.size(), where_m, comes_first});
     const auto raw = std::as_bytes(std::span(bytes));
     bytes_.insert(bytes_.end(), raw.begin(), raw.end());
   };
   for (std::size_t begin = 0; begin < manifest.size(); begin += kPieceBytesMax)
-    put(std::string_view(manifest).substr(begin, kPieceBytesMax), everywhere());
-  for (const Cut& cut : writer.cuts()) put(cut.bytes, cut.where_m);
+    put(std::string_view(manifest).substr(begin, kPieceBytesMax), everywhere(), true);
+  for (const Cut& cut : writer.cuts()) put(cut.bytes, cut.where_m, cut.comes_first);
   announcement_ = {
       .hash = hash_of(std::as_bytes(std::span(manifest))), .manifest_bytes = manifest.size(), .pieces = pieces_.size()};
 }

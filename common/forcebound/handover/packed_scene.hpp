@@ -30,8 +30,8 @@ struct Announcement {
   return (manifest_bytes + kPieceBytesMax - 1) / kPieceBytesMax;
 }
 
-/// All of a scene that runs at a client (scene/rendering.hpp), cut into numbered pieces. Immutable, shared by all
-/// sessions.
+/// All of a scene that runs at a client (scene/rendering.hpp), cut into numbered pieces; beside a large mesh its coarse
+/// level (coarse_level.hpp), if it has one. Immutable, shared by all sessions.
 class PackedScene {
  public:
   /// @throws scene::GeometryError if something of it has no place in a piece
@@ -47,6 +47,9 @@ class PackedScene {
     return pieces_[number].where_m;
   }
 
+  /// To be sent before the others: the manifest, and all that a client can run soon.
+  [[nodiscard]] bool comes_first(std::size_t number) const noexcept { return pieces_[number].comes_first; }
+
   [[nodiscard]] std::size_t bytes() const noexcept { return bytes_.size(); }
 
  private:
@@ -54,6 +57,7 @@ class PackedScene {
     std::size_t begin;
     std::size_t bytes;
     Eigen::AlignedBox3d where_m;
+    bool comes_first;
   };
 
   std::vector<std::byte> bytes_;  // of all pieces, one after the other

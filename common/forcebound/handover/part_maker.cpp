@@ -6,6 +6,25 @@
 #include "forcebound/text/printable.hpp"
 
 namespace forcebound::handover {
+namespace {
+
+/// @param used the geometries of parts
+void check_coarse_levels(const v1::SceneManifest& manifest, const std::set<std::uint32_t>& used) {
+  std::set<std::uint32_t> coarse;
+  for (int i = 0; i < manifest.geometries_size(); ++i) {
+    const v1::Geometry& geometry = manifest.geometries(i);
+    if (geometry.coarse_of() == 0) continue;
+    const bool of_a_part = used.contains(geometry.coarse_of()) &&
+                           manifest.geometries(static_cast<int>(geometry.coarse_of()) - 1).triangles() > 0;
+    if (!of_a_part || geometry.triangles() == 0 || used.contains(static_cast<std::uint32_t>(i) + 1) ||
+        !coarse.insert(geometry.coarse_of()).second) {
+      throw HandoverError("a coarse level of the manifest must be the only one of a part's mesh, and no part's own");
+    }
+  }
+}
+
+}  // namespace
+
 std::string one_line(const std::string& from) {
   constexpr std::size_t kBytesMax = 200;
   return text::printable(from.substr(0, kBytesMax));
@@ -35,6 +54,7 @@ void check_manifest(const v1::SceneManifest& manifest, const Limits& limits) {
       }
     }
   }
+  check_coarse_levels(manifest, used);
   const int rows = manifest.degrees_of_freedom();
   if (rows < 0 || rows > 3) {
     throw HandoverError("the scene has " + std::to_string(rows) + " degrees of freedom, 0 (any) to 3 are accepted");

@@ -6,8 +6,10 @@
 #include <map>
 #include <utility>
 
+#include "forcebound/handover/coarse_level.hpp"
 #include "forcebound/handover/internal/geometry_assembly.hpp"
 #include "forcebound/handover/internal/part_maker.hpp"
+#include "forcebound/handover/internal/two_levels.hpp"
 #include "forcebound/scene/cost.hpp"
 #include "forcebound/scene/geometry/bvh.hpp"
 #include "forcebound/scene/geometry/height_field.hpp"
@@ -48,12 +50,26 @@ class SharedShape final : public scene::Shape {
 }  // namespace
 
 struct SceneAssembly::Parts {
-  /// A shape that was built last, and of how much of its geometry.
+  /// A shape, and what it was built of.
   struct Built {
-    std::shared_ptr<const scene::Shape> shape;
+    std::shared_ptr<const scene::Shape> shape{};  // null: there is none yet
+    GeometryAssembly::Made made{};
+  };
+
+  /// What was built last of an object, and of how much of its geometry.
+  struct BuiltObject {
+    Built coarse{};
+    Built full{};
     std::size_t pieces = 0;
-    std::size_t in_fullest_place = 0;  // triangles
-    Coverage coverage{};
+    Coverage coverage = Coverage::nothing();
+
+    [[nodiscard]] std::size_t memory_bytes() const {
+      return (coarse.shape ? coarse.shape->facts().memory_bytes : 0) +
+             (full.shape ? full.shape->facts().memory_bytes : 0);
+    }
+    [[nodiscard]] std::size_t in_fullest_places() const {
+      return coarse.made.in_fullest_place + full.made.in_fullest_place;
+    }
   };
 
   Announcement announcement;
@@ -64,7 +80,7 @@ struct SceneAssembly::Parts {
   std::size_t pieces_here = 0;
   std::optional<v1::SceneManifest> manifest{};
   std::vector<GeometryAssembly> geometries{};
-  std::vector<Built> built{};                             // of the objects
+  std::vector<BuiltObject> built{};                       // of the objects
   std::map<std::size_t, std::vector<std::byte>> early{};  // pieces of geometry that overtook the manifest
 
   [[nodiscard]] std::size_t of_manifest() const { return handover::manifest_pieces(announcement.manifest_bytes); }
@@ -75,8 +91,10 @@ struct SceneAssembly::Parts {
   [[nodiscard]] Eigen::Index axes() const { return std::max(1, manifest->degrees_of_freedom()); }
   void check_work(const scene::Scene& scene) const;
   scene::SceneObject make_object(std::size_t number, AssembledScene& made);
-  void give_shape(scene::SceneObject& object, std::size_t number, const GeometryAssembly& geometry,
-                  AssembledScene& made);
+  [[nodiscard]] const GeometryAssembly* coarse_of(std::size_t geometry) const;
+  [[nodiscard]] Built build_shape(scene::SceneObject& object, const GeometryAssembly& geometry, AssembledScene& made);
+  void check_memory() const;
+  void give_shape(scene::SceneObject& object, std::size_t number, std::size_t geometry_number, AssembledScene& made);
 };
 
 SceneAssembly::SceneAssembly(const Announcement& announcement, scene::Registry registry, const Limits& limits) {
@@ -175,11 +193,18 @@ void SceneAssembly::Parts::add_geometry_piece(std::size_t number, std::span<cons
   ++pieces_here;
 }
 
+std::size_t SceneAssembly::coarse_levels_here() const noexcept {
+  return static_cast<std::size_t>(std::ranges::count_if(parts_->geometries, [](const GeometryAssembly& geometry) {
+    return geometry.coarse_of() != 0 && geometry.whole();
+  }));
+}
+
 double SceneAssembly::known_within_m(const Point& point_m) const {
   if (!can_build()) return 0;
   double least_m = std::numeric_limits<double>::infinity();
-  for (const GeometryAssembly& geometry : parts_->geometries)
-    least_m = std::min(least_m, geometry.known_within_m(point_m));
+  for (const GeometryAssembly& geometry : parts_->geometries) {
+    if (geometry.coarse_of() == 0) least_m = std::min(least_m, geometry.known_within_m(point_m));
+  }
   return least_m;
 }
 
@@ -193,51 +218,84 @@ scene::SceneObject SceneAssembly::Parts::make_object(std::size_t number, Assembl
                         (has_geometry ? "has no geometry" : "needs a geometry"));
   }
   made.coverage.emplace_back();
+  made.exact.emplace_back();
   scene::SceneObject object = without_shape(part, true, registry, axes());
   if (has_geometry) {
-    give_shape(object, number, geometries[part.geometry() - 1], made);
+    give_shape(object, number, part.geometry() - 1, made);
   } else {
     set_shape(object, kind, object.shape_values, axes(), {});
   }
   return object;
 }
 
-void SceneAssembly::Parts::give_shape(scene::SceneObject& object, std::size_t number, const GeometryAssembly& geometry,
+/// Null: it has no coarse level.
+const GeometryAssembly* SceneAssembly::Parts::coarse_of(std::size_t geometry) const {
+  const auto found = std::ranges::find(geometries, geometry + 1, &GeometryAssembly::coarse_of);
+  return found == geometries.end() ? nullptr : &*found;
+}
+
+SceneAssembly::Parts::Built SceneAssembly::Parts::build_shape(scene::SceneObject& object,
+                                                              const GeometryAssembly& geometry, AssembledScene& made) {
+  Built one{.made = geometry.made(limits)};
+  if (scene::SearchBudget::abandoned()) throw HandoverError("nobody waits for the scene any more");
+  const scene::ShapeGeometry& so_far = one.made.geometry;
+  made.elements_built += so_far.mesh ? so_far.mesh->triangles().size() : so_far.heights->heights_m.size();
+  set_shape(object, scene::shape_kind(registry, object.shape_kind, axes()), object.shape_values, axes(), {}, so_far);
+  one.shape = std::move(object.shape);
+  return one;
+}
+
+void SceneAssembly::Parts::check_memory() const {
+  std::size_t bytes = 0;
+  for (const BuiltObject& one : built) bytes += one.memory_bytes();
+  if (bytes <= limits.shape_bytes) return;
+  throw HandoverError("the scene's shapes take " + std::to_string(bytes) + " bytes, at most " +
+                      std::to_string(limits.shape_bytes) + " are accepted");
+}
+
+void SceneAssembly::Parts::give_shape(scene::SceneObject& object, std::size_t number, std::size_t geometry_number,
                                       AssembledScene& made) {
-  // A distance field is made of all of its mesh.
-  const bool usable = geometry.here() > 0 && (geometry.whole() || object.shape_kind != "distance_field");
-  if (!usable) {
-    made.coverage.back() = Coverage::nothing();
-    object.shape = std::make_unique<NotThereYet>();
+  const GeometryAssembly& geometry = geometries[geometry_number];
+  const GeometryAssembly* const coarse = coarse_of(geometry_number);
+  BuiltObject& last = built[number];
+  if (coarse != nullptr && coarse->whole() && !last.coarse.shape) last.coarse = build_shape(object, *coarse, made);
+  // A distance field is made of all of its mesh. And nothing is felt before its coarse level is there, for which there
+  // has to be a place in its state.
+  const bool usable = geometry.here() > 0 && (geometry.whole() || object.shape_kind != "distance_field") &&
+                      (coarse == nullptr || last.coarse.shape);
+  if (usable && last.pieces != geometry.here()) {
+    last.full = build_shape(object, geometry, made);
+    last.pieces = geometry.here();
+    last.coverage = geometry.coverage();
+    made.elements_built += last.coverage.cells() / kCoverageCells;
+    if (coarse != nullptr)
+      check_error(*last.coarse.made.geometry.tree, coarse->error_m(), *last.full.made.geometry.tree, geometry.whole());
+    last.full.made.geometry = {};
+  }
+  check_memory();
+  made.exact.back() = last.coverage;
+  if (last.coarse.shape) {
+    double reach_m = 0;
+    for (const scene::RequestedEffect& effect : object.effects)
+      reach_m = std::max(reach_m, effect.effect->facts().reach_m);
+    object.shape =
+        std::make_unique<TwoLevels>(TwoLevels::Coarse{.shape = last.coarse.shape, .error_m = coarse->error_m()},
+                                    TwoLevels::Full{.shape = last.full.shape, .known = last.coverage}, reach_m);
     return;
   }
-  Built& last = built[number];
-  if (last.pieces != geometry.here()) {
-    const auto [so_far, in_fullest_place] = geometry.made(limits);
-    if (scene::SearchBudget::abandoned()) throw HandoverError("nobody waits for the scene any more");
-    made.elements_built += so_far.mesh ? so_far.mesh->triangles().size() : so_far.heights->heights_m.size();
-    set_shape(object, scene::shape_kind(registry, object.shape_kind, axes()), object.shape_values, axes(), {}, so_far);
-    last = {.shape = std::move(object.shape),
-            .pieces = geometry.here(),
-            .in_fullest_place = in_fullest_place,
-            .coverage = geometry.coverage()};
-    made.elements_built += last.coverage.cells() / kCoverageCells;
-    std::size_t bytes = 0;
-    for (const Built& other : built) bytes += other.shape ? other.shape->facts().memory_bytes : 0;
-    if (bytes > limits.shape_bytes) {
-      throw HandoverError("the scene's shapes take " + std::to_string(bytes) + " bytes, at most " +
-                          std::to_string(limits.shape_bytes) + " are accepted");
-    }
-  }
   made.coverage.back() = last.coverage;
-  object.shape = std::make_unique<SharedShape>(last.shape);
+  if (last.full.shape) {
+    object.shape = std::make_unique<SharedShape>(last.full.shape);
+  } else {
+    object.shape = std::make_unique<NotThereYet>();
+  }
 }
 
 /// Each limit may be kept, and still all of them together take a tick too long.
 void SceneAssembly::Parts::check_work(const scene::Scene& scene) const {
   constexpr double kTriangleInPlace_ns = 20;
   double work_ns = scene::predicted_cost_ns(scene);
-  for (const Built& one : built) work_ns += kTriangleInPlace_ns * static_cast<double>(one.in_fullest_place);
+  for (const BuiltObject& one : built) work_ns += kTriangleInPlace_ns * static_cast<double>(one.in_fullest_places());
   if (work_ns <= limits.tick_ns) return;
   throw HandoverError("the scene would take about " + std::to_string(std::lround(1e-3 * work_ns)) +
                       " us of each tick, at most " + std::to_string(std::lround(1e-3 * limits.tick_ns)) +
@@ -258,6 +316,7 @@ AssembledScene SceneAssembly::build(const std::stop_token& ended) try {
   for (const v1::ScenePart& field : p.manifest->fields()) {
     parts.fields.push_back(without_shape(field, false, p.registry, p.axes()));
     made.coverage.emplace_back();
+    made.exact.emplace_back();
   }
   made.scene = std::make_shared<const scene::Scene>(std::move(facts), std::move(parts));
   p.check_work(*made.scene);

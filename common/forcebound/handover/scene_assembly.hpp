@@ -21,7 +21,8 @@ namespace forcebound::handover {
 /// A scene made of the pieces that have arrived.
 struct AssembledScene {
   std::shared_ptr<const scene::Scene> scene{};
-  std::vector<Coverage> coverage{};  ///< of each step of the plan
+  std::vector<Coverage> coverage{};  ///< of each step of the plan; where a coarse level is felt, all is known
+  std::vector<Coverage> exact{};     ///< the same without coarse levels
   /// Triangles and heights of the shapes made anew for this one, and what finding their coverage takes of that time.
   std::size_t elements_built = 0;
   bool whole = false;
@@ -51,13 +52,18 @@ class SceneAssembly {
   /// Whether the manifest has arrived.
   [[nodiscard]] bool can_build() const noexcept;
 
-  /// Everything nearer to the point than this has arrived, of all geometries [m].
+  /// Coarse levels that are there.
+  [[nodiscard]] std::size_t coarse_levels_here() const noexcept;
+
+  /// Everything nearer to the point than this has arrived, of all geometries but coarse levels [m].
   [[nodiscard]] double known_within_m(const Point& point_m) const;
 
   /// A scene of the pieces that have arrived: shapes, triangles and effects are the server's to the bit; the coverage
-  /// tells where pieces are missing. A geometry and its coverage are built again only if pieces of it arrived since.
+  /// tells where pieces are missing. There a mesh that has a coarse level is felt by that, once it has arrived. A
+  /// geometry and its coverage are built again only if pieces of it arrived since.
   /// @param ended nobody waits for it any more; it can be built later
-  /// @throws HandoverError if no shape or effect can be made so, or nobody waits
+  /// @throws HandoverError if no shape or effect can be made so, a coarse level lies off by more than its error, or
+  /// nobody waits
   [[nodiscard]] AssembledScene build(const std::stop_token& ended = {});
 
   /// The pieces as they came, for a cache; of a whole assembly.

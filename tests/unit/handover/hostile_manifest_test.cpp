@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <span>
 
 #include "forcebound/text/file.hpp"
@@ -172,6 +173,68 @@ TEST(AHostileManifest, GetsNoHeightsThatLieNowhere) {
       EXPECT_THAT(refusal_of_manifest(relief, 1), HasSubstr("height field of the manifest")) << nowhere_m;
     }
   }
+}
+
+/// What is said of a large mesh whose manifest a server changed.
+std::string refusal_of_a_large_mesh(const std::function<void(v1::SceneManifest&)>& change) {
+  static const auto kPacked = pack(*mesh_scene(test::ball(0.03, 50)));
+  const std::size_t of_manifest = manifest_pieces(kPacked->announcement().manifest_bytes);
+  std::string bytes;
+  for (std::size_t i = 0; i < of_manifest; ++i) {
+    const auto piece = kPacked->piece(i);
+    bytes.append(reinterpret_cast<const char*>(piece.data()), piece.size());
+  }
+  v1::SceneManifest manifest;
+  EXPECT_TRUE(manifest.ParseFromString(bytes));
+  EXPECT_EQ(manifest.geometries_size(), 2);
+  change(manifest);
+  const std::string changed = manifest.SerializeAsString();
+  const auto raw = std::as_bytes(std::span(changed));
+  const std::size_t now_of_manifest = manifest_pieces(raw.size());
+  const std::size_t of_geometry = kPacked->announcement().pieces - of_manifest;
+  return refusal_of([&] {
+    SceneAssembly assembly(
+        {.hash = hash_of(raw), .manifest_bytes = raw.size(), .pieces = now_of_manifest + of_geometry},
+        scene::Registry::standard());
+    for (std::size_t i = 0; i < now_of_manifest; ++i) {
+      const std::size_t begin = i * kPieceBytesMax;
+      assembly.add(i, raw.subspan(begin, std::min(kPieceBytesMax, raw.size() - begin)));
+    }
+    for (std::size_t i = 0; i < of_geometry; ++i) assembly.add(now_of_manifest + i, kPacked->piece(of_manifest + i));
+    (void)assembly.build();
+  });
+}
+
+TEST(AHostileManifest, GetsNoCoarseLevelTakenWhoseErrorIsNoneOrALie) {
+  const auto with_error = [](double error_m) {
+    return refusal_of_a_large_mesh(
+        [error_m](v1::SceneManifest& manifest) { manifest.mutable_geometries(1)->set_error_m(error_m); });
+  };
+  EXPECT_EQ(with_error(5e-4), "accepted");
+  EXPECT_THAT(with_error(std::nan("")), HasSubstr("its error within 0 to 0.001 m, got nan"));
+  EXPECT_THAT(with_error(std::numeric_limits<double>::infinity()), HasSubstr("got inf"));
+  EXPECT_THAT(with_error(-1e-4), HasSubstr("got -1e-04"));
+  EXPECT_THAT(with_error(2e-3), HasSubstr("got 0.002"));
+  EXPECT_THAT(with_error(1e-6), HasSubstr("a coarse level of a mesh says that it is within 1"));
+}
+
+TEST(AHostileManifest, GetsNoCoarseLevelTakenThatIsOpenOrOfWhatHasNone) {
+  EXPECT_THAT(
+      refusal_of_a_large_mesh([](v1::SceneManifest& manifest) { manifest.mutable_geometries(1)->set_open_edges(3); }),
+      HasSubstr("must be closed"));
+  for (const std::uint32_t of : {2U, 3U, 4'000'000'000U}) {
+    EXPECT_THAT(refusal_of_a_large_mesh(
+                    [of](v1::SceneManifest& manifest) { manifest.mutable_geometries(1)->set_coarse_of(of); }),
+                HasSubstr("the only one of a part's mesh"))
+        << of;
+  }
+  EXPECT_THAT(
+      refusal_of_a_large_mesh([](v1::SceneManifest& manifest) { manifest.mutable_geometries(0)->set_coarse_of(2); }),
+      HasSubstr("the only one of a part's mesh"));
+  EXPECT_EQ(
+      refusal_of_a_large_mesh([](v1::SceneManifest& manifest) { manifest.mutable_geometries(1)->clear_coarse_of(); }),
+      "accepted")
+      << "it is a geometry that nothing uses, as for a client that knows of no coarse levels";
 }
 
 }  // namespace

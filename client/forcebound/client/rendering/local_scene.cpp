@@ -9,8 +9,6 @@
 namespace forcebound::client {
 namespace {
 
-// Beyond what is touched: the triangles about the god object count too, and a tick's way.
-constexpr double kBorder_m = 2e-3;
 // Above a surface that the server says was touched.
 constexpr double kAbove_m = 1e-6;
 
@@ -31,7 +29,7 @@ void LocalScene::adopt() noexcept {
 bool LocalScene::knows_about(const scene::Point& place_m, double more_m) const noexcept {
   const auto steps = scene_->assembled.scene->plan().steps();
   for (std::size_t i = 0; i < steps.size(); ++i) {
-    const double wanted_m = std::max(depth_m_, steps[i].reach_m) + more_m + kBorder_m;
+    const double wanted_m = std::max(depth_m_, steps[i].reach_m) + more_m + handover::kBorder_m;
     if (!(scene_->assembled.coverage[i].known_within_m(place_m) >= wanted_m)) return false;
   }
   return true;

@@ -9,9 +9,9 @@ namespace forcebound::client {
 namespace {
 
 // Each build makes the trees of all that has arrived. So a scene is built again when twice as much is there, and when
-// all is. What is near the device does not wait for that: within 20 mm of it, a surface known further by a quarter and
-// by a millimetre is built at once, as long as all builds together are of no more than eight times the pieces that are
-// there, and some.
+// all is or a coarse level. What is near the device does not wait for that: within 20 mm of it, a surface known further
+// by a quarter and by a millimetre is built at once, as long as all builds together are of no more than eight times the
+// pieces that are there, and some.
 constexpr double kNear_m = 0.02;
 constexpr double kGain_m = 1e-3;
 constexpr double kGain = 0.25;
@@ -67,7 +67,8 @@ void SceneBuilder::begin(const BuildOrder& order, const std::stop_token& ended) 
   generation_ = order.generation;
   pieces_built_ = 0;
   pieces_in_builds_ = 0;
-  coverage_.clear();
+  coarse_levels_built_ = 0;
+  exact_.clear();
   stored_ = false;
   assembly_.reset();
   show(nullptr);
@@ -136,12 +137,15 @@ void SceneBuilder::refuse(const std::string& why) {
 bool SceneBuilder::worth_building() const {
   const std::size_t here = assembly_->pieces_here();
   if (!assembly_->can_build() || here == pieces_built_) return false;
-  if (pieces_built_ == 0 || assembly_->whole() || here >= kGrowth * pieces_built_) return true;
+  if (pieces_built_ == 0 || assembly_->whole() || here >= kGrowth * pieces_built_ ||
+      assembly_->coarse_levels_here() > coarse_levels_built_) {
+    return true;
+  }
   if (pieces_in_builds_ + here > kBuiltPerPiece * here + kBuiltAtFirst) return false;
   const scene::Point place_m = exchange_.place_m();
   double known_m = std::numeric_limits<double>::infinity();
   double slack_m = 0;
-  for (const handover::Coverage& coverage : coverage_) {
+  for (const handover::Coverage& coverage : exact_) {
     known_m = std::min(known_m, coverage.known_within_m(place_m));
     slack_m = std::max(slack_m, coverage.slack_m());
   }
@@ -157,7 +161,8 @@ std::size_t SceneBuilder::build(const std::stop_token& ended) {
     const std::size_t built = made.elements_built;
     pieces_built_ = assembly_->pieces_here();
     pieces_in_builds_ += pieces_built_;
-    coverage_ = made.coverage;
+    coarse_levels_built_ = assembly_->coarse_levels_here();
+    exact_ = made.exact;
     scene::SceneState state(made.scene, options_.degrees_of_freedom);
     show(made.scene);
     exchange_.publish(

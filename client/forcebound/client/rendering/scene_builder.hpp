@@ -72,10 +72,11 @@ class SceneBuilder {
   SceneCache cache_;
   std::optional<handover::SceneAssembly> assembly_;
   std::uint64_t generation_ = 0;
-  std::uint64_t number_ = 0;                  // of the scene built last
-  std::size_t pieces_built_ = 0;              // of the assembly, into that scene
-  std::size_t pieces_in_builds_ = 0;          // of all scenes built of it
-  std::vector<handover::Coverage> coverage_;  // of that scene
+  std::uint64_t number_ = 0;               // of the scene built last
+  std::size_t pieces_built_ = 0;           // of the assembly, into that scene
+  std::size_t pieces_in_builds_ = 0;       // of all scenes built of it
+  std::size_t coarse_levels_built_ = 0;    // in that scene
+  std::vector<handover::Coverage> exact_;  // of that scene
   bool stored_ = false;
   std::string why_refused_;
   mutable std::mutex counting_;

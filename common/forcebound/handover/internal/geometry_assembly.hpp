@@ -28,6 +28,10 @@ class GeometryAssembly {
   [[nodiscard]] std::size_t here() const noexcept { return here_; }
   [[nodiscard]] bool whole() const noexcept { return here_ == pieces(); }
 
+  /// Number of the geometry of which it is a coarse level, 1 and up; 0: of none.
+  [[nodiscard]] std::size_t coarse_of() const noexcept { return geometry_.coarse_of(); }
+  [[nodiscard]] double error_m() const noexcept { return geometry_.error_m(); }
+
   /// @throws HandoverError if it is not the piece of that number
   void add(std::size_t number, std::span<const std::byte> bytes);
 

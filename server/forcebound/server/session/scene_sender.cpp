@@ -30,7 +30,6 @@ time::TokenBucket bucket(const HandoverRate& rate, Nanoseconds now) {
 SceneSender::SceneSender(std::shared_ptr<const handover::PackedScene> scene, const HandoverRate& rate, Nanoseconds now)
     : scene_(std::move(scene)),
       rate_(bucket(rate, now)),
-      manifest_pieces_(static_cast<std::uint32_t>(handover::manifest_pieces(scene_->announcement().manifest_bytes))),
       states_(scene_->announcement().pieces),
       waiting_(states_.size()),
       sent_once_(scene_->announcement().pieces) {
@@ -100,7 +99,7 @@ void SceneSender::give_up_late(Nanoseconds now) noexcept {
 }
 
 double SceneSender::urgency_m(std::uint32_t number) const noexcept {
-  if (number < manifest_pieces_) return static_cast<double>(number) - manifest_pieces_;
+  if (scene_->comes_first(number)) return static_cast<double>(number) - static_cast<double>(states_.size());
   const auto& where_m = scene_->where_m(number);
   return std::sqrt(std::min(where_m.squaredExteriorDistance(place_m_), where_m.squaredExteriorDistance(ahead_m_)));
 }

@@ -24,9 +24,9 @@ struct HandoverRate {
   int pieces_at_once = 32;  ///< after a pause
 };
 
-/// Hands a scene over to one client, piece by piece, as the answers to its motions leave: the manifest first, then what
-/// is nearest to the device and to where it will be, each again until it is acknowledged. A transmission counts as lost
-/// 1.3 round trips after it was sent.
+/// Hands a scene over to one client, piece by piece, as the answers to its motions leave: the manifest first, then
+/// coarse levels, then what is nearest to the device and to where it will be, each again until it is acknowledged. A
+/// transmission counts as lost 1.3 round trips after it was sent.
 ///
 /// Nothing is sent but in return for a motion, so that a client that is gone is sent nothing.
 ///
@@ -71,7 +71,6 @@ class SceneSender {
 
   std::shared_ptr<const handover::PackedScene> scene_;
   time::TokenBucket rate_;
-  std::uint32_t manifest_pieces_;
   std::vector<State> states_;  // of the pieces
   std::size_t waiting_;        // how many are
   std::size_t there_ = 0;

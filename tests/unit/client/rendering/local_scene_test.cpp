@@ -124,6 +124,22 @@ TEST_F(ALocalScene, PushesFromTheSideOnWhichTheServerSawTheDeviceThoughItIsWithi
   EXPECT_NEAR(answer->contact_normal.z(), 1.0, 0.01);
 }
 
+TEST_F(ALocalScene, RunsTheCoarseLevelOfALargeMeshWhoseOtherPiecesAreMissing) {
+  scene = handover::pack(*handover::mesh_scene(test::ball(0.03, 60)));
+  offer();
+  std::uint64_t came = 0;
+  for (std::uint32_t i = 0; i < scene->announcement().pieces; ++i) {
+    if (!scene->comes_first(i)) continue;
+    local.receive({.session = 1, .transmission = ++came, .number = i, .content = scene->piece(i)});
+    local.builder().work();
+  }
+  EXPECT_LT(3 * came, scene->announcement().pieces);
+  const auto answer = at(0.029);
+  ASSERT_TRUE(answer);
+  EXPECT_NEAR(answer->force.z(), 1.0, 0.3);
+  EXPECT_TRUE(local.receipt().wanted) << "the rest";
+}
+
 TEST_F(ALocalScene, AnswersNothingWhereATickWouldVisitTooMuchOfAMesh) {
   // From the middle of a ball, all of its triangles are equally near.
   const auto from_the_middle = in_the_air(scene::Point(0, 0, 0));

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 #include <random>
 #include <set>
@@ -92,6 +93,20 @@ TEST(SceneSender, SendsEachPieceOnceWhereNothingIsLostAndNearestFirst) {
     EXPECT_GE(away_m, last_m - 1e-12);
     last_m = away_m;
   }
+}
+
+TEST(SceneSender, SendsTheManifestThenTheCoarseLevelAndThenTheRest) {
+  const auto scene = handover::pack(*handover::mesh_scene(test::ball(0.03, 60)));
+  SceneSender sender(scene, {.bytes_per_s = 100e3}, 0ms);
+  FarClient client(sender, 20ms, 0, 1);
+  client.live(10s);
+  ASSERT_EQ(client.order.size(), scene->announcement().pieces);
+  const auto comes_first = [&](std::uint32_t number) { return scene->comes_first(number); };
+  EXPECT_TRUE(std::ranges::is_partitioned(client.order, comes_first));
+  const auto rest = std::ranges::partition_point(client.order, comes_first);
+  EXPECT_TRUE(std::is_sorted(client.order.begin(), rest));
+  const std::size_t of_manifest = handover::manifest_pieces(scene->announcement().manifest_bytes);
+  EXPECT_GT(static_cast<std::size_t>(rest - client.order.begin()), of_manifest + 20);
 }
 
 TEST(SceneSender, SendsAgainWhatWasLostUntilAllIsThere) {
