@@ -55,7 +55,7 @@ std::vector<RenderingCondition> rendering_conditions() {
 
 RenderingFigures play_rendering(const RenderingTask& task, const RenderingCondition& condition,
                                 const RenderingStudySettings& study, bool local, std::uint64_t seed) {
-  TrueForceMeter meter(task.scene, static_cast<std::uint32_t>(task.device.facts.translations()));
+  TrueForceMeter meter(task.scene, static_cast<std::uint32_t>(task.device.facts.translations()), task.counted_from_s);
   sim::ClosedLoop::Settings settings{.device = task.device,
                                      .hand = {},
                                      .make_hand = task.make_hand,

@@ -29,6 +29,7 @@ struct RenderingTask {
   std::shared_ptr<const scene::Scene> scene;
   device::DeviceDescription device;
   std::function<std::unique_ptr<const device::Operator>()> make_hand;
+  double counted_from_s = 0;  ///< what happened before is passed over
 };
 
 }  // namespace forcebound::lab

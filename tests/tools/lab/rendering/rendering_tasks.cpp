@@ -24,6 +24,8 @@ namespace {
 using scene::Point;
 
 constexpr double kWait_s = 2;
+// By then a coarse level is to have arrived.
+constexpr double kCoarseLevelHere_s = 1;
 
 constexpr const char* kLightDevice = R"(
 kind = "cartesian"
@@ -272,7 +274,8 @@ std::vector<RenderingTask> rendering_tasks() {
                       {},
                       mesh(bumpy_ball(240, 380), kFirmStiffness_N_per_m),
                       firm.device,
-                      hand_at_once(slide(top))});
+                      hand_at_once(slide(top)),
+                      kCoarseLevelHere_s});
   add_what_moves(firm);
   std::vector<RenderingTask> tasks = std::move(firm.all);
   tasks.push_back(

@@ -19,10 +19,11 @@ void TrueForceMeter::on_tick(const record::TickRecord& tick) noexcept {
   const bool here = tick.rendering != record::ForceOrigin::held;
   if (!first_) first_ = tick.time;
   if (here) ready_s_ = std::min(ready_s_, time::to_seconds(tick.time - *first_));
-  if (tick.applied.norm() > kFelt_N) felt_tick_ = std::min(felt_tick_, static_cast<double>(tick.tick));
+  const bool counts = time::to_seconds(tick.time - *first_) >= from_s_;
+  if (counts && tick.applied.norm() > kFelt_N) felt_tick_ = std::min(felt_tick_, static_cast<double>(tick.tick));
   const scene::Answer truth = truth_.answer(place_of(), tick.time, {}, false, tick.handle);
   touched_ = touched_ || truth.penetration_m > 0 || truth.force.norm() > kFelt_N;
-  if (!touched_) return;
+  if (!touched_ || !counts) return;
   ++ticks_;
   if (const double passed_ms = 1e3 * time::to_seconds(tick.interval); last_applied_.rows() > 0 && passed_ms > 0)
     change_N_per_ms_ = std::max(change_N_per_ms_, (tick.applied - last_applied_).norm() / passed_ms);

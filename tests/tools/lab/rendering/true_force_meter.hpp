@@ -39,8 +39,9 @@ struct RenderingFigures {
 /// Compares what was applied with what the true scene says at the device's true place.
 class TrueForceMeter final : public record::TickSink {
  public:
-  TrueForceMeter(const std::shared_ptr<const scene::Scene>& scene, std::uint32_t degrees_of_freedom)
-      : truth_(scene, degrees_of_freedom) {}
+  /// @param from_s after the first tick; what is before is passed over
+  TrueForceMeter(const std::shared_ptr<const scene::Scene>& scene, std::uint32_t degrees_of_freedom, double from_s = 0)
+      : truth_(scene, degrees_of_freedom), from_s_(from_s) {}
 
   void on_tick(const record::TickRecord& tick) noexcept override;
   void on_force(const record::ForceRecord&) noexcept override {}
@@ -52,6 +53,7 @@ class TrueForceMeter final : public record::TickSink {
 
  private:
   scene::SceneState truth_;
+  double from_s_;
   std::optional<time::Nanoseconds> first_;
   double felt_tick_ = std::numeric_limits<double>::infinity();
   double ready_s_ = std::numeric_limits<double>::infinity();
