@@ -5,6 +5,7 @@
 #include <string>
 
 #include "forcebound/handover/handover_error.hpp"
+#include "forcebound/handover/limits.hpp"
 #include "forcebound/scene/geometry/decimate.hpp"
 #include "forcebound/text/numbers.hpp"
 
@@ -14,10 +15,12 @@ namespace {
 using scene::Bvh;
 using scene::Point;
 
-// Triangles: 2,000 are 60 pieces, which an eighth of a second brings. If these lie too far off, so many times more.
+// Triangles: 2,000 are 60 pieces, which an eighth of a second brings. If these lie too far off, so many times more, as
+// long as they come soon and are few beside the mesh's.
 constexpr double kFewest = 2000;
 constexpr double kStep = 2;
-constexpr double kLeastRatio = 4;  // of all triangles to these
+constexpr double kMost = 8000;
+constexpr double kLeastRatio = 4;
 // Rounding of a vertex that is read from its own frame.
 constexpr double kRounding = 1e-9;
 
@@ -113,7 +116,9 @@ std::optional<CoarseLevel> coarse_level_of(const Bvh& tree) {
   const scene::TriangleMesh& mesh = tree.mesh();
   if (!mesh.report().closed() || has_gap(mesh)) return {};
   const auto all = static_cast<double>(mesh.triangles().size());
-  for (double triangles = kFewest; triangles <= all / kLeastRatio; triangles *= kStep) {
+  // A client takes no more triangles than that, of both together.
+  if (all + kMost > static_cast<double>(Limits().triangles)) return {};
+  for (double triangles = kFewest; triangles <= std::min(kMost, all / kLeastRatio); triangles *= kStep) {
     auto coarse = std::make_shared<const scene::TriangleMesh>(decimated(mesh, triangles / all));
     const double error_m = error_between_m(Bvh(coarse), tree);
     if (coarse->report().closed() && error_m <= kCoarseErrorMost_m)
