@@ -35,6 +35,7 @@ contact_stiffness_N_per_m = 500
   const json summary = summary_of(loop);
   EXPECT_GT(summary["rendering"]["modelled"].get<double>(), 0.3);
   EXPECT_LT(summary["rendering"]["held"].get<double>(), 0.3);
+  EXPECT_GT(summary["rendering"]["model_trust"].get<double>(), 0.5);
   EXPECT_GE(summary["passivity"]["minimum_J"].get<double>(), -1e-9);
 }
 

@@ -32,6 +32,7 @@ TEST(LocalRendering, ShowsAPlaneBehindATenthOfASecondAsWithoutANetwork) {
   EXPECT_GE(local["passivity"]["minimum_J"].get<double>(), -1e-9);
   EXPECT_GT(local["rendering"]["at_client"].get<double>(), 0.9);
   EXPECT_EQ(remote["rendering"]["at_client"], 0);
+  EXPECT_TRUE(local["rendering"]["model_trust"].is_null()) << "a plane has no model";
   EXPECT_LT(far_watch.first_local, 500ms) << "after two round trips and what was lost of them";
 }
 
@@ -126,14 +127,13 @@ TEST(LocalRendering, HasASecondVisitFromTheCache) {
   }
 }
 
-TEST(LocalRendering, LeavesALawWithAHalfAtTheServerAlone) {
-  ClosedLoop::Settings waves = settings(handover::scene_of(kFrictionPlane), "delay 10ms", true);
-  waves.law = "wave";
-  Watch watch;
-  ClosedLoop loop(std::move(waves), {&watch});
-  loop.run(1s);
-  EXPECT_EQ(watch.local, 0);
-  EXPECT_EQ(loop.local()->phase(), client::BuildPhase::nothing);
+TEST(LocalRendering, IsNotAskedForWithALawThatHasAServerSideLaw) {
+  ClosedLoop::Settings with_waves = settings(handover::scene_of(kFrictionPlane), "delay 10ms", true);
+  with_waves.law = "wave";
+  ClosedLoop loop(with_waves);
+  loop.run(100ms);
+  EXPECT_EQ(loop.local(), nullptr);
+  EXPECT_EQ(summary_of(loop)["rendering"]["asked"], "remote");
 }
 
 }  // namespace
