@@ -112,7 +112,7 @@ void reload(ServerWorkers& server, const ProgramOptions& options) {
   }
   std::optional<security::AllowedClients> clients;
   try {
-    clients = security::AllowedClients::from_file(options.keys.clients);
+    clients = security::AllowedClients::from_file(options.keys.clients, options.keys.scenes);
   } catch (const std::exception& error) {
     spdlog::error("{}; the clients are those of before", error.what());
     return;
@@ -263,6 +263,13 @@ Offer make_offer(const ProgramOptions& options, const time::Clock& clock) {
   return offer;
 }
 
+/// All that a client can be allowed.
+std::vector<std::string> names_in(const Offer& offer) {
+  std::vector<std::string> names = offer.environments.scenes().all_names();
+  if (offer.robot) names.push_back(offer.name);
+  return names;
+}
+
 std::unique_ptr<LogObserver> make_observer(const ProgramOptions& options, const Offer& offer,
                                            const std::string& encryption, const time::Clock& clock) {
   if (options.record.empty()) return std::make_unique<LogObserver>(clock);
@@ -332,12 +339,13 @@ int serve(ProgramOptions options) {
   const std::size_t workers = workers_for(options, handed_over.has_value());
   const net::Address address = handed_over ? handed_over->local_address() : net::resolve(options.listen);
   expect_encryption(options.keys, address);
-  std::optional<ServerKeys> keys = read_keys(options.keys);
-  const std::string encryption = encryption_name(keys);
-  const std::string encryption_words = encryption_in_words(options.keys, keys);
   const time::SteadyClock clock;
   Offer offer = make_offer(options, clock);
   options.server.scene = offer.name;
+  options.keys.scenes = names_in(offer);
+  std::optional<ServerKeys> keys = read_keys(options.keys);
+  const std::string encryption = encryption_name(keys);
+  const std::string encryption_words = encryption_in_words(options.keys, keys);
 
   install_signal_handlers(!options.keys.clients.empty() || ServiceManager::started_this(), offer.robot != nullptr);
   net::UdpLink link = handed_over ? std::move(*handed_over) : listen_at(address);
