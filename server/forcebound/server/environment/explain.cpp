@@ -224,8 +224,8 @@ std::string total_text(const scene::Scene& scene, const ExplainFacts& facts) {
   const auto measured = facts.calibration ? std::optional(facts.calibration->whole) : std::nullopt;
   const double cost_ns = measured ? measured->p99_ns : predicted_ns;
   std::string text = "total:        " + cost_text(predicted_ns, measured) +
-                     " of the 1 ms of a tick: " + rounded(cost_ns / kTick_ns * 100) + " % for each client" +
-                     clients_text(scene.facts(), cost_ns) + "\n";
+                     " of the 1 ms of a tick: " + (measured ? "by the p99 " : "") + rounded(cost_ns / kTick_ns * 100) +
+                     " % for each client" + clients_text(scene.facts(), cost_ns) + "\n";
   if (facts.answer_bytes > 0) {
     text += kIndent + std::to_string(facts.answer_bytes) + " bytes an answer, " +
             rounded(static_cast<double>(facts.answer_bytes)) + " kB/s to each client at 1 kHz\n";
