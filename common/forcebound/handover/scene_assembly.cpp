@@ -12,12 +12,14 @@
 #include "forcebound/scene/geometry/bvh.hpp"
 #include "forcebound/scene/geometry/height_field.hpp"
 #include "forcebound/scene/part.hpp"
+#include "forcebound/tissue/tissue_shape.hpp"
 
 namespace forcebound::handover {
 namespace {
 
-// In the time of a triangle or height.
+// In the time of a triangle or height: cells, and bytes of a shape without geometry.
 constexpr std::size_t kCoverageCells = 3;
+constexpr std::size_t kShapeBytes = 64;
 
 /// A shape of which the geometry is not there yet: nothing to touch, and nothing is known about it.
 class NotThereYet final : public scene::Shape {
@@ -73,6 +75,7 @@ struct SceneAssembly::Parts {
   void read_manifest();
   void add_geometry_piece(std::size_t number, std::span<const std::byte> bytes);
   [[nodiscard]] Eigen::Index axes() const { return std::max(1, manifest->degrees_of_freedom()); }
+  void check_bytes() const;
   void check_work(const scene::Scene& scene) const;
   scene::SceneObject make_object(std::size_t number, AssembledScene& made);
   void give_shape(scene::SceneObject& object, std::size_t number, const GeometryAssembly& geometry,
@@ -95,6 +98,7 @@ SceneAssembly::SceneAssembly(const Announcement& announcement, scene::Registry r
                                          .limits = limits,
                                          .manifest_bytes = std::vector<std::byte>(announcement.manifest_bytes),
                                          .here = std::vector<bool>(announcement.pieces)});
+  if (parts_->registry.find_shape("tissue") == nullptr) parts_->registry.add(tissue::tissue_shape());
 }
 
 SceneAssembly::~SceneAssembly() = default;
@@ -197,7 +201,16 @@ scene::SceneObject SceneAssembly::Parts::make_object(std::size_t number, Assembl
   if (has_geometry) {
     give_shape(object, number, geometries[part.geometry() - 1], made);
   } else {
-    set_shape(object, kind, object.shape_values, axes(), {});
+    // Tissue takes seconds.
+    Built& last = built[number];
+    if (!last.shape) {
+      set_shape(object, kind, object.shape_values, axes(), {});
+      last.shape = std::move(object.shape);
+      made.elements_built += last.shape->facts().memory_bytes / kShapeBytes;
+      check_bytes();
+      if (scene::SearchBudget::abandoned()) throw HandoverError("nobody waits for the scene any more");
+    }
+    object.shape = std::make_unique<SharedShape>(last.shape);
   }
   return object;
 }
@@ -222,15 +235,19 @@ void SceneAssembly::Parts::give_shape(scene::SceneObject& object, std::size_t nu
             .in_fullest_place = in_fullest_place,
             .coverage = geometry.coverage()};
     made.elements_built += last.coverage.cells() / kCoverageCells;
-    std::size_t bytes = 0;
-    for (const Built& other : built) bytes += other.shape ? other.shape->facts().memory_bytes : 0;
-    if (bytes > limits.shape_bytes) {
-      throw HandoverError("the scene's shapes take " + std::to_string(bytes) + " bytes, at most " +
-                          std::to_string(limits.shape_bytes) + " are accepted");
-    }
+    check_bytes();
   }
   made.coverage.back() = last.coverage;
   object.shape = std::make_unique<SharedShape>(last.shape);
+}
+
+void SceneAssembly::Parts::check_bytes() const {
+  std::size_t bytes = 0;
+  for (const Built& one : built) bytes += one.shape ? one.shape->facts().memory_bytes : 0;
+  if (bytes > limits.shape_bytes) {
+    throw HandoverError("the scene's shapes take " + std::to_string(bytes) + " bytes, at most " +
+                        std::to_string(limits.shape_bytes) + " are accepted");
+  }
 }
 
 /// Each limit may be kept, and still all of them together take a tick too long.

@@ -17,6 +17,12 @@ constexpr double kApart = 0.5;
 // Iterations of shift_near on a probe's first step.
 constexpr int kTimesAtFirst = 4;
 
+// Estimates of the cost of a step.
+constexpr double kPoint_ns = 500;
+constexpr double kSphere_ns = 2000;
+constexpr double kSphereTriangle_ns = 5;
+constexpr double kContact_ns = 3000;
+
 // Three digits are off by half a percent at most.
 constexpr double kRoundedUp = 1.005;
 
@@ -37,6 +43,12 @@ TissueModel::TissueModel(LinearTissue tissue, const ProbeOptions& options)
     : tissue_(std::move(tissue)), options_(options), tolerance_m_(options.tolerance * tissue_.mesh().mean_edge_m()) {
   options_.check();
   divisions_ = divisions_for(tissue_, options_.radius_m);
+}
+
+double TissueModel::step_ns() const noexcept {
+  if (!(options_.radius_m > 0)) return kPoint_ns;
+  const auto triangles = static_cast<double>(tissue_.surface().triangles().size());
+  return kSphere_ns + kSphereTriangle_ns * triangles + kContact_ns * options_.contacts_max;
 }
 
 TissueResult TissueModel::step(TissueState& state, const scene::Point& probe_m, OtherContacts& others) const noexcept {

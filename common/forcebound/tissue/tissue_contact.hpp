@@ -48,6 +48,10 @@ class TissueModel {
 
   [[nodiscard]] const LinearTissue& tissue() const noexcept { return tissue_; }
   [[nodiscard]] const ProbeOptions& options() const noexcept { return options_; }
+
+  /// Predicted time of a step, of a probe that comes and goes.
+  [[nodiscard]] double step_ns() const noexcept;
+
   /// @param state of this model; changed.
   [[nodiscard]] TissueResult step(TissueState& state, const scene::Point& probe_m) const noexcept {
     return step_among(nullptr, state, probe_m);

@@ -10,6 +10,7 @@
 
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/tissue/set_up.hpp"
+#include "forcebound/tissue/tissue_shape.hpp"
 #include "forcebound/tissue/tissue_world.hpp"
 
 namespace forcebound::tissue {
@@ -22,10 +23,6 @@ using text::to_text;
 constexpr double kAsHigh = 1e-3;
 
 // Estimates of the cost of a step.
-constexpr double kPoint_ns = 500;
-constexpr double kSphere_ns = 2000;
-constexpr double kSphereTriangle_ns = 5;
-constexpr double kContact_ns = 3000;
 constexpr double kCorotationalTetrahedron_ns = 120;
 constexpr double kCorotationalBlock_ns = 45;
 constexpr double kPressedTriangle_ns = 500;
@@ -129,6 +126,11 @@ std::unique_ptr<scene::DynamicModelState> TissueDynamicModel::make_state(int sea
   return std::make_unique<CorotationalTissueWorld>(std::get<CorotationalTissue>(law_), seats);
 }
 
+std::optional<scene::PartDescription> TissueDynamicModel::part_at_client() const {
+  const auto* linear = std::get_if<TissueModel>(&law_);
+  return linear != nullptr ? tissue_part(*linear, held_nodes_, set_up_s_) : std::nullopt;
+}
+
 scene::DynamicModelFacts TissueDynamicModel::facts() const {
   const auto* linear = std::get_if<TissueModel>(&law_);
   const TetrahedralMesh& mesh = linear != nullptr ? linear->tissue().mesh() : std::get<CorotationalTissue>(law_).mesh();
@@ -158,9 +160,7 @@ void TissueDynamicModel::describe(const TissueModel& model, const std::vector<bo
   const LinearTissue& tissue = model.tissue();
   facts.memory_bytes = tissue.memory_bytes();
   facts.state_bytes = sizeof(LinearTissueWorld) + sizeof(TissueWorld::Seat);
-  const auto triangles = static_cast<double>(tissue.surface().triangles().size());
-  facts.cost_ns =
-      probe_.radius_m > 0 ? kSphere_ns + kSphereTriangle_ns * triangles + kContact_ns * probe_.contacts_max : kPoint_ns;
+  facts.cost_ns = model.step_ns();
   const Range stiffness = stiffness_of(tissue, held, probe_.contact_stiffness_N_per_m);
   if (std::ranges::none_of(tissue.mesh().surface_nodes(), [&](int node) { return held[node]; })) {
     facts.stiffness_N_per_m = stiffness.most;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "forcebound/scene/dynamic_model.hpp"
+#include "forcebound/scene/part_at_client.hpp"
 #include "forcebound/tissue/corotational_tissue.hpp"
 #include "forcebound/tissue/tissue_contact.hpp"
 
@@ -28,7 +29,7 @@ struct TissueDescription {
 /// result.
 ///
 /// Immutable; states keep a reference to it and must not outlive it.
-class TissueDynamicModel final : public scene::DynamicModel {
+class TissueDynamicModel final : public scene::DynamicModel, public scene::RunsAtClient {
  public:
   /// @throws std::invalid_argument for a material, an invalid probe or held node, and for too stiff a
   /// contact under large motion
@@ -38,6 +39,9 @@ class TissueDynamicModel final : public scene::DynamicModel {
 
   [[nodiscard]] std::unique_ptr<scene::DynamicModelState> make_state(int seats) const override;
   [[nodiscard]] scene::DynamicModelFacts facts() const override;
+
+  /// None under large motion either: the client's step would take too long.
+  [[nodiscard]] std::optional<scene::PartDescription> part_at_client() const override;
 
  private:
   using Law = std::variant<TissueModel, CorotationalTissue>;

@@ -1,5 +1,6 @@
 #include "forcebound/tissue/tissue_probe.hpp"
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -10,6 +11,18 @@ namespace forcebound::tissue {
 
 SurfacePlace place_of(const TissueState::Contact& contact) noexcept {
   return {.triangle = static_cast<int>(contact.triangle), .weight = scene::to_point(contact.weight)};
+}
+
+TissueExtent::TissueExtent(const TetrahedralMesh& mesh) {
+  Eigen::AlignedBox3d box;
+  for (const scene::Point& node : mesh.nodes_m()) box.extend(node);
+  middle_m_ = box.center();
+  size_m_ = box.diagonal().norm();
+}
+
+bool TissueExtent::lets_go(const TissueState& state, const scene::Point& probe_m) const noexcept {
+  if (state.started == 0) return false;
+  return (probe_m - scene::to_point(state.probe_m)).norm() > size_m_ || (probe_m - middle_m_).norm() > 1.5 * size_m_;
 }
 
 std::optional<SurfacePlace> came_in(const TissueSurface& surface, const TissueState& last,

@@ -39,6 +39,20 @@ struct TissueState {
 };
 static_assert(std::is_trivially_copyable_v<TissueState> && std::is_trivial_v<TissueState>);
 
+/// How far a probe may go: one that leaps in one motion over more than the tissue's size, or goes that far away from
+/// it, lets go of it. That is no hand, and would drag the tissue along for all others.
+class TissueExtent {
+ public:
+  explicit TissueExtent(const TetrahedralMesh& mesh);
+
+  /// Real time.
+  [[nodiscard]] bool lets_go(const TissueState& state, const scene::Point& probe_m) const noexcept;
+
+ private:
+  scene::Point middle_m_;
+  double size_m_;  // from corner to corner
+};
+
 // Queries that every tissue model makes of the surface at rest; probe positions are mapped back to the undeformed
 // tissue. Real time.
 

@@ -29,12 +29,7 @@ scene::VisiblePart surface_part(const std::string& name, const std::vector<scene
 }  // namespace
 
 TissueWorld::TissueWorld(int seats, const TetrahedralMesh& mesh)
-    : seats_(static_cast<std::size_t>(seats)), modelled_radius_m_(modelled_radius_m(mesh)) {
-  Eigen::AlignedBox3d box;
-  for (const scene::Point& node : mesh.nodes_m()) box.extend(node);
-  middle_m_ = box.center();
-  size_m_ = box.diagonal().norm();
-}
+    : seats_(static_cast<std::size_t>(seats)), extent_(mesh), modelled_radius_m_(modelled_radius_m(mesh)) {}
 
 int TissueWorld::join() {
   const auto free = std::ranges::find(seats_, false, &Seat::taken);
@@ -48,18 +43,13 @@ void TissueWorld::leave(int seat) { at(seat) = {}; }
 
 void TissueWorld::move(int seat, const scene::Point& position_m, const scene::Point& /*velocity_m_per_s*/) noexcept {
   const scene::Point probe_m = position_m.cwiseMax(-kFar_m).cwiseMin(kFar_m);
-  if (lets_go(at(seat).state, probe_m)) at(seat).state = {};
+  if (extent_.lets_go(at(seat).state, probe_m)) at(seat).state = {};
   const TissueResult result = step(static_cast<std::size_t>(seat), probe_m);
   sound_ = sound_ && result.finite;
   faults_.contacts_left_out += static_cast<std::uint64_t>(result.contacts_left_out);
   if (!result.converged) ++faults_.not_converged;
   at(seat).result = result;
   if (result.contacts > 0) at(seat).normal = result.normal;
-}
-
-bool TissueWorld::lets_go(const TissueState& state, const scene::Point& probe_m) const noexcept {
-  if (state.started == 0) return false;
-  return (probe_m - scene::to_point(state.probe_m)).norm() > size_m_ || (probe_m - middle_m_).norm() > 1.5 * size_m_;
 }
 
 void TissueWorld::advance(double /*elapsed_s*/) noexcept {

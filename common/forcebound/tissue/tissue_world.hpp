@@ -14,9 +14,6 @@
 namespace forcebound::tissue {
 
 /// The probes on a tissue at a moment. One motion is one step; the time between two does not matter.
-///
-/// A probe that leaps in one motion over more than the tissue's size, or goes that far away from it, lets go of it:
-/// that is no hand, and would drag the tissue along for all others.
 class TissueWorld : public scene::DynamicModelState {
  public:
   int join() override;
@@ -52,11 +49,8 @@ class TissueWorld : public scene::DynamicModelState {
  private:
   [[nodiscard]] Seat& at(int seat) noexcept { return seats_[static_cast<std::size_t>(seat)]; }
 
-  [[nodiscard]] bool lets_go(const TissueState& state, const scene::Point& probe_m) const noexcept;
-
   std::vector<Seat> seats_;
-  scene::Point middle_m_;
-  double size_m_;  ///< of the tissue, from corner to corner
+  TissueExtent extent_;
   double modelled_radius_m_;
   bool sound_ = true;
   scene::DynamicModelFaults faults_;

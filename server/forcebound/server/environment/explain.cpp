@@ -275,7 +275,7 @@ std::string explain(const scene::Scene& scene, const ExplainFacts& facts) {
     text += explain_part("field", field, "", rendering, facts.device, measured());
   }
   for (const scene::SceneDynamicModel& dynamic_model : scene.dynamic_models()) {
-    const scene::PartRendering& rendering = scene.rendering_of_part(part);
+    const scene::PartRendering rendering = rendering_of(part);
     text += explain_dynamic_model(dynamic_model, rendering, facts.device, measured());
   }
   if (part == 0) text += "no objects: every force is zero\n";

@@ -217,8 +217,11 @@ void add_what_moves(FirmTasks& tasks) {
   tasks.add("tissue", "pad, pressed at 3 Hz", soft_pad(), press(Point(0.004, 0.003, 0)), kGoalOfWhatMoves);
   tasks.add("tissue", "pad", soft_pad(), slide(Point(0.004, 0.003, 0)), kGoalOfWhatMoves);
   constexpr double kBall_m = 0.008;
-  tasks.add("tissue", "pad, ball at 0.06 m/s", soft_pad("probe_radius_m = " + text::to_text(kBall_m) + "\n"),
-            slide(Point(0.004, 0.003, kBall_m), 0.06), kGoalOfWhatMoves);
+  for (const double speed_m_per_s : {0.06, 0.1}) {
+    tasks.add("tissue", "pad, ball at " + text::to_text(speed_m_per_s) + " m/s",
+              soft_pad("probe_radius_m = " + text::to_text(kBall_m) + "\n"),
+              slide(Point(0.004, 0.003, kBall_m), speed_m_per_s), kGoalOfWhatMoves);
+  }
   if (server::has_bodies()) {
     tasks.add("body by hand only", "free puck", puck(false), press(Point::Zero()), kGoalOfWhatMoves);
     tasks.add("body against a stop", "puck against a stop", puck(true), press(Point::Zero()),

@@ -18,8 +18,7 @@
 namespace forcebound::sim {
 namespace {
 
-TEST(LocalRendering, AddsTissueByItsLocalModel) {
-  const auto scene = handover::scene_of(std::string(kFrictionPlane) + R"(
+constexpr const char* kPad = R"(
 [[tissue]]
 name = 'pad'
 shape = { kind = 'block', center_m = [0, 0, -0.02], size_m = [0.1, 0.1, 0.04], cells = [4, 4, 2] }
@@ -27,7 +26,21 @@ held = { through_m = [0, 0, -0.039], normal = [0, 0, 1] }
 young_Pa = 5000
 poisson = 0.4
 contact_stiffness_N_per_m = 500
-)");
+)";
+
+TEST(LocalRendering, RunsTissueThatOneClientHasAlone) {
+  const auto scene = handover::scene_of(std::string(kFrictionPlane) + kPad);
+  ASSERT_EQ(scene->rendering_of_part(1).how, scene::Rendering::at_client);
+  ClosedLoop loop(settings(scene, "delay 50ms", true), {});
+  loop.run(3s);
+  const json summary = summary_of(loop);
+  EXPECT_GT(summary["rendering"]["at_client"].get<double>(), 0.3);
+  EXPECT_EQ(summary["rendering"]["modelled"].get<double>(), 0);
+  EXPECT_GE(summary["passivity"]["minimum_J"].get<double>(), -1e-9);
+}
+
+TEST(LocalRendering, AddsTissueThatBendsFarByItsLocalModel) {
+  const auto scene = handover::scene_of(std::string(kFrictionPlane) + kPad + "large_motion = true\n");
   ASSERT_EQ(scene->rendering_of_part(1).how, scene::Rendering::modelled);
   Watch watch;
   ClosedLoop loop(settings(scene, "delay 10ms", true), {&watch});

@@ -52,7 +52,8 @@ TEST(Explain, SaysWhatClientsRefuseToRun) {
 
 TEST(Explain, SaysWhatIsNotSimulated) {
   const std::string wall = explain(*load_scene("wall"));
-  EXPECT_THAT(explain(*load_scene("palpation")), HasSubstr("rendering:  local model with each answer\n"));
+  EXPECT_THAT(explain(*load_scene("soft_pad")), HasSubstr("rendering:  local model with each answer\n"));
+  EXPECT_THAT(explain(*load_scene("palpation")), HasSubstr("rendering:  runs at the client\n"));
   EXPECT_THAT(wall, Not(HasSubstr("velocity from")));
   EXPECT_THAT(wall, HasSubstr("not simulated: torques; velocity (nothing needs it)"));
   const std::string free = explain(*load_scene("free"));

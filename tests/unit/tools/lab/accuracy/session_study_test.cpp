@@ -77,7 +77,7 @@ TEST(StudyOfASession, LocalRenderingTakesTheAgeAwayAndItsPartsAddUp) {
 
 TEST(StudyOfASession, OfTissueThatIsExtrapolatedAddsUpToo) {
   Study study = floor_study(0.02);
-  study.scene_text = server::scene_source("pad").text;
+  study.scene_text = server::scene_source("pad").text + "large_motion = true\n";
   study.device = "firm-3dof";
   study.session.renders_locally = true;
   study.sweep = parse_sweep("law=none,fba-exact");
