@@ -55,11 +55,11 @@ TEST(PlayTrials, PlaysEachLawWithoutANetworkAndThenWithEachRendering) {
 
 TEST(TrialsTable, SaysWhichLawsRefuseLocalRendering) {
   TrialsSettings settings = settings_for("plane");
-  settings.laws = {"wave"};
+  settings.laws = {"tdpa-er"};
   settings.duration_s = 0.1;
   const std::vector<PlayedTrial> trials = played(settings);
   EXPECT_THAT(trials_table(settings, trials, text::Colour::none),
-              HasSubstr("wave  refuses: local rendering, as all forces go through its server-side law"));
+              HasSubstr("tdpa-er     refuses: local rendering, as all forces go through its server-side law"));
   EXPECT_EQ(trials.back().refused, "") << trials.back().rendering;
 }
 
