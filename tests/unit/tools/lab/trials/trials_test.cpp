@@ -59,7 +59,7 @@ TEST(TrialsTable, SaysWhichLawsRefuseLocalRendering) {
   settings.duration_s = 0.1;
   const std::vector<PlayedTrial> trials = played(settings);
   EXPECT_THAT(trials_table(settings, trials, text::Colour::none),
-              HasSubstr("tdpa-er     refuses: local rendering, as all forces go through its server-side law"));
+              HasSubstr("tdpa-er  refuses: local rendering, as all forces go through its server-side\n    law\n"));
   EXPECT_EQ(trials.back().refused, "") << trials.back().rendering;
 }
 
