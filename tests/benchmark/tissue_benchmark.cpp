@@ -11,12 +11,12 @@
 #include <Eigen/SparseCholesky>
 #include <cmath>
 
-#include "forcebound/server/dynamics/tissue/corotational_tissue.hpp"
-#include "forcebound/server/dynamics/tissue/tissue_contact.hpp"
-#include "forcebound/server/dynamics/tissue/tissue_world.hpp"
+#include "forcebound/tissue/corotational_tissue.hpp"
+#include "forcebound/tissue/tissue_contact.hpp"
+#include "forcebound/tissue/tissue_world.hpp"
 #include "tests/support/tissue_block.hpp"
 
-namespace forcebound::server {
+namespace forcebound::tissue {
 namespace {
 
 const ElasticMaterial kSoft{.young_Pa = 5000, .poisson = 0.4};
@@ -177,4 +177,4 @@ BENCHMARK(eight_sparse_solves)->ArgName("tetrahedra")->Arg(162)->Arg(384)->Arg(6
 BENCHMARK(dense_solve_of_24);
 
 }  // namespace
-}  // namespace forcebound::server
+}  // namespace forcebound::tissue

@@ -6,10 +6,10 @@
 #include <Eigen/SparseCholesky>
 #include <stdexcept>
 
-#include "forcebound/server/dynamics/tissue/tissue_contact.hpp"
+#include "forcebound/tissue/tissue_contact.hpp"
 #include "tests/support/tissue_block.hpp"
 
-namespace forcebound::server {
+namespace forcebound::tissue {
 namespace {
 
 using test::kThickTop_m;
@@ -140,4 +140,4 @@ TEST(HardCase38, AnExhaustedBudgetReportsTheLastIterateAndItsResidual) {
 }
 
 }  // namespace
-}  // namespace forcebound::server
+}  // namespace forcebound::tissue

@@ -36,6 +36,22 @@ export async function openBrowser(program, options = []) {
     executablePath: program, args: ["--disable-gpu", "--enable-unsafe-swiftshader", ...root, ...options] });
 }
 
+/** Runs the case of that name in a browser, for a test that needs the page. */
+export async function runCase(cases, name, { page, chromium }) {
+  if (!cases[name]) {
+    console.error(`unknown case '${name}', expected one of: ${Object.keys(cases).join(", ")}`);
+    process.exit(2);
+  }
+  needPage(page);
+  const browser = await openBrowser(chromium);
+  try {
+    await cases[name](browser);
+    console.log(`passed: ${name}`);
+  } finally {
+    await browser.close();
+  }
+}
+
 /** A page of its own, whose errors count: `faults` must be empty at the end. */
 export class Tab {
   static async open(browser, url, { size = [1280, 720], ...settings } = {}) {

@@ -5,8 +5,8 @@ import assert from "node:assert/strict";
 import { statSync } from "node:fs";
 import { join } from "node:path";
 import { parseArgs } from "node:util";
-import { needPage, openBrowser, Tab } from "./browser.mjs";
-import { Programs } from "./programs.mjs";
+import { runCase, Tab } from "./browser.mjs";
+import { withPrograms } from "./programs.mjs";
 
 const { values: given, positionals } = parseArgs({ allowPositionals: true, options: {
   page: { type: "string" }, chromium: { type: "string" }, bin: { type: "string" } } });
@@ -49,19 +49,13 @@ async function untilLaw(tab, track, law) {
 }
 
 async function withClient(browser, options, then, netem = kFar, served = []) {
-  const programs = await Programs.in(given.bin);
-  try {
+  await withPrograms(given.bin, async (programs) => {
     const client = await programs.client(netem, options, served);
     const tab = await Tab.open(browser, client.url);
     await tab.untilTicks();
     await then(tab, programs, client);
     await tab.close();
-  } catch (error) {
-    console.error(programs.said());
-    throw error;
-  } finally {
-    await programs.end();
-  }
+  });
 }
 
 const cases = {
@@ -231,8 +225,7 @@ const cases = {
 
   /** A recording replays; its slider seeks, by the keyboard too. */
   async replay(browser) {
-    const programs = await Programs.in(given.bin);
-    try {
+    await withPrograms(given.bin, async (programs) => {
       const server = await programs.server();
       const client = programs.start("client", ["--server", server.address, ...kWall, "--duration", "6", "--record", "run.mcap", "--quiet"]);
       await client.ended;
@@ -256,12 +249,7 @@ const cases = {
       await newest(5.5, 6.1);
       assert.match(await tab.text("time-text"), / of /);
       await tab.close();
-    } catch (error) {
-      console.error(programs.said());
-      throw error;
-    } finally {
-      await programs.end();
-    }
+    });
   },
 
   /** A recording is begun and ended, and is there as a file. */
@@ -280,8 +268,7 @@ const cases = {
 
   /** The server's page lists the session, and ends it. */
   async server(browser) {
-    const programs = await Programs.in(given.bin);
-    try {
+    await withPrograms(given.bin, async (programs) => {
       const server = await programs.withPage("server", ["--listen", "127.0.0.1:0"]);
       const address = await server.says(/listening on (127\.0\.0\.1:\d+)/);
       programs.start("client", ["--server", address, ...kWall, "--quiet"]);
@@ -299,25 +286,8 @@ const cases = {
       await tab.until("that session has ended", (id) => !document.querySelector(`#session-rows tr[data-session="${id}"]`), first);
       await tab.page.locator(".event", { hasText: "is disconnected, as asked for on the page" }).waitFor();
       await tab.close();
-    } catch (error) {
-      console.error(programs.said());
-      throw error;
-    } finally {
-      await programs.end();
-    }
+    });
   },
 };
 
-const [name] = positionals;
-if (!cases[name]) {
-  console.error(`live_test: unknown case '${name}', expected one of: ${Object.keys(cases).join(", ")}`);
-  process.exit(2);
-}
-needPage(given.page);
-const browser = await openBrowser(given.chromium);
-try {
-  await cases[name](browser);
-  console.log(`passed: ${name}`);
-} finally {
-  await browser.close();
-}
+await runCase(cases, positionals[0], given);

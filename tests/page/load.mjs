@@ -13,7 +13,7 @@ import { join } from "node:path";
 import { parseArgs } from "node:util";
 import { gzipSync } from "node:zlib";
 import { packages } from "./browser.mjs";
-import { Programs } from "./programs.mjs";
+import { withPrograms } from "./programs.mjs";
 
 const { values: given } = parseArgs({ options: { bin: { type: "string" }, page: { type: "string" },
   rounds: { type: "string", default: "5" }, seconds: { type: "string", default: "10" } } });
@@ -166,8 +166,7 @@ function weigh(folder) {
   console.log(`page: ${(plain / 1000).toFixed(0)} kB as it is sent, ${(packed / 1000).toFixed(0)} kB packed by gzip`);
 }
 
-const programs = await Programs.in(given.bin);
-try {
+await withPrograms(given.bin, async (programs) => {
   const server = await programs.server();
   const rounds = Number(given.rounds);
   const two = async (url) => {
@@ -196,9 +195,4 @@ try {
   console.log("work: from reading to command; alloc: in the tick, in all");
   for (const line of said) console.log(line);
   weigh(given.page);
-} catch (error) {
-  console.error(programs.said());
-  throw error;
-} finally {
-  await programs.end();
-}
+});

@@ -3,7 +3,7 @@
 // Nothing here expects an answer within a time: each step waits for what a person would wait for.
 import assert from "node:assert/strict";
 import { parseArgs } from "node:util";
-import { needPage, openBrowser, packages, Tab } from "./browser.mjs";
+import { openBrowser, packages, runCase, Tab } from "./browser.mjs";
 import { StandIn } from "./stand_in.mjs";
 
 const { values: given, positionals } = parseArgs({ allowPositionals: true, options: {
@@ -321,16 +321,4 @@ const cases = {
   },
 };
 
-const [name] = positionals;
-if (!cases[name]) {
-  console.error(`page_test: unknown case '${name}', expected one of: ${Object.keys(cases).join(", ")}`);
-  process.exit(2);
-}
-needPage(given.page);
-const browser = await openBrowser(given.chromium);
-try {
-  await cases[name](browser);
-  console.log(`passed: ${name}`);
-} finally {
-  await browser.close();
-}
+await runCase(cases, positionals[0], given);

@@ -42,14 +42,12 @@ class Program {
   }
 }
 
-/** Server, relay and client of a build, and other commands of `forcebound`, each on a port that the system chooses. All end with `end`. */
-export class Programs {
-  static async in(bin) {
-    const programs = new Programs();
-    programs.bin = bin;
-    programs.all = [];
-    programs.folder = await mkdtemp(join(tmpdir(), "forcebound-page-"));
-    return programs;
+/** Server, relay and client of a build, and other commands of `forcebound`, each on a port that the system chooses. */
+class Programs {
+  constructor(bin, folder) {
+    this.bin = bin;
+    this.folder = folder;
+    this.all = [];
   }
 
   start(command, options) {
@@ -94,5 +92,18 @@ export class Programs {
   /** What all have said, for who looks for a failure. */
   said() {
     return this.all.map(({ name, said }) => `--- ${name}\n${said}`).join("\n");
+  }
+}
+
+/** Programs of a build for what `then` does with them; they end with it, and what they said is told if it fails. */
+export async function withPrograms(bin, then) {
+  const programs = new Programs(bin, await mkdtemp(join(tmpdir(), "forcebound-page-")));
+  try {
+    await then(programs);
+  } catch (error) {
+    console.error(programs.said());
+    throw error;
+  } finally {
+    await programs.end();
   }
 }

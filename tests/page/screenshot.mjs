@@ -5,7 +5,7 @@
 // drawn meanwhile.
 import { parseArgs } from "node:util";
 import { needPage, openBrowser, Tab } from "./browser.mjs";
-import { Programs } from "./programs.mjs";
+import { withPrograms } from "./programs.mjs";
 
 const { values: given, positionals } = parseArgs({ allowPositionals: true, options: {
   page: { type: "string" }, chromium: { type: "string" }, bin: { type: "string" }, scene: { type: "string", default: "dome" },
@@ -53,35 +53,32 @@ async function press(tab) {
 
 needPage(given.page);
 const browser = await openBrowser(given.chromium);
-const programs = await Programs.in(given.bin);
 try {
-  const what = given.task ? ["--device", "firm-3dof", "--operator", "pointer:stiffness_N_per_m=1500"] : ["--scene", given.scene, "--rendering", "remote"];
-  const served = given.task ? ["--follower", "reach-7", "--task", given.task] : [];
-  const client = await programs.client(kNetem, ["--law", "fba-exact", ...what], served);
-  const size = given.size.split("x").map(Number);
-  const tab = await Tab.open(browser, client.url, {
-    size, colorScheme: given.dark ? "dark" : "light", deviceScaleFactor: Number(given.sharpness) });
-  await tab.untilTicks();
-  if (!given.alone && !given.task) {
-    await tab.until("two laws run", () => document.querySelectorAll(".light").length === 2);
-    await tab.untilValue("1.asked", "below", 1000);
-  }
-  if (given.alone) {
-    await tab.page.locator("#law-beside").selectOption("no second law");
-    await tab.until("one law runs", () => document.querySelectorAll(".light").length === 1);
-  }
-  await tab.page.waitForTimeout(2000);
-  const frames = () => tab.page.evaluate(() => [window.forcebound.frames.count, performance.now()]);
-  const [count, at] = await frames();
-  await (given.task ? press(tab) : stroke(tab));
-  const [more, later] = await frames();
-  await tab.page.screenshot({ path: to });
-  console.log(`${to}: ${(((more - count) * 1000) / (later - at)).toFixed(1)} frames a second, drawn without a graphics card`);
-  await tab.close();
-} catch (error) {
-  console.error(programs.said());
-  throw error;
+  await withPrograms(given.bin, async (programs) => {
+    const what = given.task ? ["--device", "firm-3dof", "--operator", "pointer:stiffness_N_per_m=1500"] : ["--scene", given.scene, "--rendering", "remote"];
+    const served = given.task ? ["--follower", "reach-7", "--task", given.task] : [];
+    const client = await programs.client(kNetem, ["--law", "fba-exact", ...what], served);
+    const size = given.size.split("x").map(Number);
+    const tab = await Tab.open(browser, client.url, {
+      size, colorScheme: given.dark ? "dark" : "light", deviceScaleFactor: Number(given.sharpness) });
+    await tab.untilTicks();
+    if (!given.alone && !given.task) {
+      await tab.until("two laws run", () => document.querySelectorAll(".light").length === 2);
+      await tab.untilValue("1.asked", "below", 1000);
+    }
+    if (given.alone) {
+      await tab.page.locator("#law-beside").selectOption("no second law");
+      await tab.until("one law runs", () => document.querySelectorAll(".light").length === 1);
+    }
+    await tab.page.waitForTimeout(2000);
+    const frames = () => tab.page.evaluate(() => [window.forcebound.frames.count, performance.now()]);
+    const [count, at] = await frames();
+    await (given.task ? press(tab) : stroke(tab));
+    const [more, later] = await frames();
+    await tab.page.screenshot({ path: to });
+    console.log(`${to}: ${(((more - count) * 1000) / (later - at)).toFixed(1)} frames a second, drawn without a graphics card`);
+    await tab.close();
+  });
 } finally {
-  await programs.end();
   await browser.close();
 }

@@ -13,17 +13,21 @@
 /// Clients that lead a robot, and what is told of it.
 namespace forcebound::test {
 
-/// A hand that waits, goes 44 mm down within two seconds, which is 4 mm into the wall, and stays.
+/// A hand that waits, goes 44 mm down within two seconds, which is 4 mm into the wall, stays and comes back; again and
+/// again, since a robot does not follow what the hand did while a busy machine kept its leader silent.
 class RecordedHand {
  public:
   RecordedHand() {
-    std::string csv = "time_s,x_m,y_m,z_m\n0,0,0,0\n2,0,0,0\n";
-    constexpr int kRows = 20;
-    for (int i = 1; i <= kRows; ++i) {
-      csv += std::to_string(2 + 0.1 * i) + ",0,0," + std::to_string(-0.044 * i / kRows) + "\n";
+    constexpr int kCycles = 50;
+    constexpr double kCycle_s = 12;
+    std::string csv = "time_s,x_m,y_m,z_m\n";
+    for (int i = 0; i < kCycles; ++i) {
+      // Pauses begin and end with two rows, since between rows the hand moves smoothly: with one it would drift.
+      const double begin_s = i * kCycle_s;
+      csv += row(begin_s, 0) + row(begin_s + 1.9, 0) + moved(begin_s + 2, 0, kDown_m) + row(begin_s + 7.9, kDown_m) +
+             moved(begin_s + 8, kDown_m, 0);
     }
-    // Two rows, since between rows the hand moves smoothly: with one it would drift for a minute.
-    write_file(folder_.file("hand.csv"), csv + "4.1,0,0,-0.044\n600,0,0,-0.044\n");
+    write_file(folder_.file("hand.csv"), csv);
   }
 
   [[nodiscard]] Words options() const {
@@ -32,6 +36,20 @@ class RecordedHand {
   }
 
  private:
+  static constexpr double kDown_m = -0.044;
+
+  static std::string row(double time_s, double z_m) {
+    return std::to_string(time_s) + ",0,0," + std::to_string(z_m) + "\n";
+  }
+
+  /// Two seconds from one height to another, and a tenth at it.
+  static std::string moved(double begin_s, double from_m, double to_m) {
+    constexpr int kRows = 20;
+    std::string rows;
+    for (int i = 0; i <= kRows; ++i) rows += row(begin_s + 0.1 * i, from_m + (to_m - from_m) * i / kRows);
+    return rows + row(begin_s + 2.1, to_m);
+  }
+
   TemporaryFolder folder_;
 };
 

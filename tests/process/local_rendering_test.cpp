@@ -59,16 +59,18 @@ TEST(LocalRendering, GoesOnWhileTheServerIsDeadAndWithTheNextOne) {
 }
 
 //   hand on tissue -- client ==( 50 ms each way, jitter, loss )== server
-TEST(LocalRendering, RendersTissueByItsLocalModels) {
+TEST(LocalRendering, RunsTissueAtTheClient) {
   Server server({"--scene", "palpation"});
   Relay relay(server.address(), {"--netem", "delay 50ms 10ms loss 5%"});
-  Client client(relay.address(), {"--device", "omni", "--operator", "stroke:offset_z_m=0.01", "--duration", "4",
-                                  "--rendering", "local"});
-  EXPECT_EQ(client.wait(30s), 0) << client.err();
+  RecordedClient client(relay.address(),
+                        {"--device", "omni", "--operator", "stroke:offset_z_m=0.01", "--rendering", "local"});
+  ASSERT_TRUE(client.wait_for("the scene has arrived")) << client.err();
+  EXPECT_TRUE(client.wait_for_tick(
+      [](const auto& tick) { return tick.rendering == record::ForceOrigin::at_client && is_pressed(tick); }));
+  EXPECT_EQ(client.stop(), client.expected_end()) << client.err();
   const nlohmann::json summary = client.summary();
   ASSERT_TRUE(summary.is_object());
-  EXPECT_GT(summary["rendering"]["modelled"].get<double>(), 0);
-  EXPECT_EQ(summary["faults"]["models_refused"], 0);
+  EXPECT_GT(summary["rendering"]["at_client"].get<double>(), 0);
   EXPECT_EQ(summary["faults"]["tick_allocations"], 0);
   EXPECT_GE(summary["passivity"]["minimum_J"].get<double>(), kPassive_J);
 }

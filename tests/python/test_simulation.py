@@ -221,6 +221,11 @@ def test_a_hostile_environment_gets_energy_from_no_law_and_none_from_fba_exact()
     assert simulate(2, law="fba-exact", **settings).summary["passivity"]["minimum_J"] >= -1e-9
 
 
+def test_local_rendering_is_refused_with_a_law_that_has_a_server_side_law():
+    with pytest.raises(ValueError, match="'local': all forces go through the server-side law of 'wave'; accepted is 'remote'"):
+        ClosedLoop(scene="wall", law="wave", rendering="local")
+
+
 def test_local_rendering_shows_a_wall_through_a_delay_as_it_is():
     settings = dict(scene="sphere", device="firm-3dof", hand="trace-sphere", network="delay 50ms", settle_s=1)
     shown = {rendering: simulate(4, rendering=rendering, **settings).summary["displayed_stiffness_N_per_m"]["median"]

@@ -3,12 +3,12 @@
 #include <array>
 #include <cstddef>
 
-#include "forcebound/server/dynamics/tissue/elasticity.hpp"
-#include "forcebound/server/dynamics/tissue/tetrahedral_block.hpp"
+#include "forcebound/tissue/elasticity.hpp"
+#include "forcebound/tissue/tetrahedral_block.hpp"
 
 namespace forcebound::test {
 
-inline constexpr server::ElasticMaterial kSoft{.young_Pa = 5000, .poisson = 0.4};
+inline constexpr tissue::ElasticMaterial kSoft{.young_Pa = 5000, .poisson = 0.4};
 
 /// A block of cubes of one size.
 struct BlockOfCubes {
@@ -27,10 +27,10 @@ inline const BlockOfCubes kThickBlock{.cubes = {6, 6, 3}, .cube_m = 0.01};
 inline constexpr double kThinTop_m = 0.02;
 inline constexpr double kThickTop_m = 0.03;
 
-inline server::TetrahedralSoup tetrahedra_of(const BlockOfCubes& block) {
+inline tissue::TetrahedralSoup tetrahedra_of(const BlockOfCubes& block) {
   const auto& [x, y, z] = block.cubes;
   const scene::Point counts(static_cast<double>(x), static_cast<double>(y), static_cast<double>(z));
-  return server::tetrahedral_block({.cells = block.cubes, .from_m = block.from_m, .size_m = block.cube_m * counts});
+  return tissue::tetrahedral_block({.cells = block.cubes, .from_m = block.from_m, .size_m = block.cube_m * counts});
 }
 
 }  // namespace forcebound::test

@@ -38,7 +38,8 @@ class Client:
     device       name, TOML file or Device; simulated
     hand         the simulated hand, as `devices.hands()` explains
     law          name or class of `laws`; `memory` and `law_parameters` as in `simulation`
-    rendering    "local": what can be, at the client; "remote": forces are computed at the server
+    rendering    "local": what can be, at the client; "remote", and with a law that has a server-side law always: forces
+                 are computed at the server
     duration_s   until it ends by itself; 0: when stopped
     once         gives up if the server does not answer for 5 s, or refuses another session
     ticks_kept   most ticks kept for `ticks`; None: all of duration_s up to ten minutes, or one minute without one

@@ -59,7 +59,7 @@ TICK = {
     "local_N": "of the scene at the client",
     "model_N": "of the server's local models at the device's own place",
     "model_deviation_m": "how far the newest answer moved a mass at the client",
-    "model_trust": "the share of the models that counts, by how they foretold the answers",
+    "model_trust": "the share of the models that counts, by how they foretold the answers; nan: there is none",
     "penetration_m": "below the surface; <= 0: no contact; nan: not known",
     "displayed_N": "component of the applied force out of that surface",
     "energy_J": "that the law may spend now: the ledger",

@@ -73,7 +73,8 @@ class ClosedLoop:
     memory, law_parameters    of a law that is not an OwnLaw: "capped" or "full"; numbers by name
     network      both ways, as forcebound-lab has it: netem's words, "none", or "trace:FILE" for recorded round trips;
                  `up` and `down` are netem's words for one way
-    rendering    "remote": forces are computed at the server; "local": what can be, at the client
+    rendering    "remote": forces are computed at the server; "local": what can be, at the client; not with a law that
+                 has a server-side law
     seed         of everything that is drawn
     settle_s     the summary's contact statistics begin so long after the first contact
     hold_s, drop_s            a force older than hold_s fades, to zero at drop_s

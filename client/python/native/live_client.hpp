@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "forcebound/client/runtime/client.hpp"
+#include "forcebound/control/law_description.hpp"
 #include "forcebound/device/simulated/simulated_device.hpp"
 #include "python/native/tables.hpp"
 

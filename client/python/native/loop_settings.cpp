@@ -116,6 +116,10 @@ std::unique_ptr<PythonLoop> make_loop(const py::kwargs& named) {
     settings.laws = std::move(laws);
   } else {
     settings.law_options = law_options(asked.memory, asked.parameters);
+    if (settings.renders_locally && baselines::shipped_laws().find(settings.law).make_server_side) {
+      throw py::value_error("rendering 'local': all forces go through the server-side law of '" + settings.law +
+                            "'; accepted is 'remote'");
+    }
   }
   if (asked.parts.own_environment) {
     settings.own_environment = own_environment("a function in Python", asked.parts.own_environment);

@@ -1,7 +1,9 @@
 #include "python/native/tables.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 
 #include "forcebound/time/clock.hpp"
@@ -15,8 +17,8 @@ using record::SentForceRecord;
 using record::TickRecord;
 using time::to_seconds;
 
-double gripper_of(const control::Handle& handle) {
-  return handle.gripper.value_or(std::numeric_limits<double>::quiet_NaN());
+double number_of(const std::optional<double>& value) {
+  return value.value_or(std::numeric_limits<double>::quiet_NaN());
 }
 
 Vector orientation_of(const control::Handle& handle) {
@@ -70,7 +72,7 @@ std::vector<Column<TickRecord>> tick_columns() {
           {.name = "local_N", .vector = [](const R& r) { return r.local; }},
           {.name = "model_N", .vector = [](const R& r) { return r.model; }},
           {.name = "model_deviation_m", .number = [](const R& r) { return r.model_deviation_m; }},
-          {.name = "model_trust", .number = [](const R& r) { return r.model_trust; }},
+          {.name = "model_trust", .number = [](const R& r) { return number_of(r.model_trust); }},
           {.name = "penetration_m", .number = [](const R& r) { return r.penetration_m; }},
           {.name = "displayed_N", .number = [](const R& r) { return r.displayed_N; }},
           {.name = "energy_J", .number = [](const R& r) { return r.energy_J; }},
@@ -78,7 +80,7 @@ std::vector<Column<TickRecord>> tick_columns() {
           {.name = "audit_J", .number = [](const R& r) { return r.audit_J; }},
           {.name = "audit_minimum_J", .number = [](const R& r) { return r.audit_minimum_J; }},
           {.name = "buttons", .count = [](const R& r) { return std::uint64_t{r.handle.buttons.value_or(0)}; }},
-          {.name = "gripper", .number = [](const R& r) { return gripper_of(r.handle); }},
+          {.name = "gripper", .number = [](const R& r) { return number_of(r.handle.gripper); }},
           {.name = "orientation",
            .vector = [](const R& r) { return orientation_of(r.handle); },
            .length = Length::orientation}};
@@ -107,7 +109,7 @@ std::vector<Column<MotionRecord>> motion_columns() {
           {.name = "device_time_s", .number = [](const R& r) { return to_seconds(r.motion.device_time); }},
           {.name = "position", .vector = [](const R& r) { return r.motion.position; }},
           {.name = "buttons", .count = [](const R& r) { return std::uint64_t{r.motion.handle.buttons.value_or(0)}; }},
-          {.name = "gripper", .number = [](const R& r) { return gripper_of(r.motion.handle); }},
+          {.name = "gripper", .number = [](const R& r) { return number_of(r.motion.handle.gripper); }},
           {.name = "orientation",
            .vector = [](const R& r) { return orientation_of(r.motion.handle); },
            .length = Length::orientation}};

@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 
+#include "forcebound/baselines/damper_parameters.hpp"
 #include "forcebound/baselines/device_limits.hpp"
 #include "forcebound/baselines/later_laws.hpp"
 #include "forcebound/control/energy_sum.hpp"
@@ -150,10 +151,7 @@ control::LawDescription input_to_state_stability() {
                               [](const control::DeviceFacts& facts) {
                                 return std::clamp(8 * least_damping(facts) / facts.period_s, 1.0, 1e9);
                               }},
-                         {.name = "alpha_max_per_b",
-                          .purpose = "the most damping that may be added, as a multiple of the device's own",
-                          .most = 1e3,
-                          .standard = [](const control::DeviceFacts&) { return 1.0; }}},
+                         most_added_damping()},
           .make = [](const control::DeviceFacts& facts, const control::LawOptions& options) {
             require_constant_translations("iss", facts);
             const control::LawParameters& chosen = options.parameters;

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <memory>
 
-#include "forcebound/baselines/device_limits.hpp"
+#include "forcebound/baselines/damper_parameters.hpp"
 #include "forcebound/baselines/later_laws.hpp"
 #include "forcebound/control/energy_sum.hpp"
 #include "forcebound/control/held_force.hpp"
@@ -152,13 +152,8 @@ control::LawDescription prioritised_dissipation() {
                           .purpose = "what dissipates first: 0: along the force (Celli), 1: across it (Ott)",
                           .choices = {0, 1},
                           .standard = [](const control::DeviceFacts&) { return 0.0; }},
-                         {.name = "alpha_max_per_b",
-                          .purpose = "the most damping that may be added, as a multiple of the device's own",
-                          .most = 1e3,
-                          .standard = [](const control::DeviceFacts&) { return 1.0; }},
-                         {.name = "velocity_floor_m_per_s",
-                          .purpose = "nothing is damped at this speed or less",
-                          .standard = slowest_reading_m_per_s}},
+                         most_added_damping(),
+                         velocity_floor()},
           .make = [](const control::DeviceFacts& facts, const control::LawOptions& options) {
             const control::LawParameters& chosen = options.parameters;
             return std::make_unique<PrioritisedDissipation>(

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "forcebound/baselines/baselines.hpp"
-#include "forcebound/baselines/device_limits.hpp"
+#include "forcebound/baselines/damper_parameters.hpp"
 #include "forcebound/control/energy_sum.hpp"
 #include "forcebound/control/held_force.hpp"
 
@@ -172,15 +172,8 @@ control::LawDescription time_domain_passivity() {
                                  "weighted by the device's damping (Hertkorn; likely)",
                       .choices = {0, 1},
                       .standard = [](const control::DeviceFacts&) { return 0.0; }},
-                     {.name = "alpha_max_per_b",
-                      .purpose = "the most damping that may be added, as a multiple of the device's own",
-                      .least = 0,
-                      .most = 1e3,
-                      .standard = [](const control::DeviceFacts&) { return 1.0; }},
-                     {.name = "velocity_floor_m_per_s",
-                      .purpose = "nothing is damped at this speed or less",
-                      .least = 0,
-                      .standard = slowest_reading_m_per_s}},
+                     most_added_damping(),
+                     velocity_floor()},
       .make = [](const control::DeviceFacts& facts, const control::LawOptions& options) {
         const auto& chosen = options.parameters;
         return std::make_unique<TimeDomainPassivity>(

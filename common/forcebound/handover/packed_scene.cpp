@@ -12,7 +12,7 @@
 #include "forcebound/handover/internal/proto_values.hpp"
 #include "forcebound/scene/geometry/bvh.hpp"
 #include "forcebound/scene/geometry/height_field.hpp"
-#include "forcebound/scene/part.hpp"
+#include "forcebound/scene/part_at_client.hpp"
 
 namespace forcebound::handover {
 namespace {
@@ -201,6 +201,10 @@ class ManifestWriter {
     for (const scene::SceneObject& field : scene.fields()) {
       if (scene.rendering_of_part(part++).how == scene::Rendering::at_client) add(field, manifest_.add_fields());
     }
+    for (const scene::SceneDynamicModel& model : scene.dynamic_models()) {
+      if (scene.rendering_of_part(part++).how != scene::Rendering::at_client) continue;
+      add(*dynamic_cast<const scene::RunsAtClient&>(*model.dynamic_model).part_at_client(), model.name);
+    }
   }
 
   [[nodiscard]] std::string manifest() const { return manifest_.SerializeAsString(); }
@@ -224,6 +228,18 @@ class ManifestWriter {
       }
     }
     for (const scene::RequestedEffect& requested : from.effects) {
+      v1::SceneEffect* const effect = to->add_effects();
+      effect->set_name(requested.name);
+      fill(requested.values, effect->mutable_values());
+    }
+  }
+
+  void add(const scene::PartDescription& from, const std::string& name) {
+    v1::ScenePart* const to = manifest_.add_objects();
+    to->set_name(name);
+    to->set_shape(from.shape->name);
+    fill(from.shape->values, to->mutable_shape_values());
+    for (const scene::NamedValues& requested : from.effects) {
       v1::SceneEffect* const effect = to->add_effects();
       effect->set_name(requested.name);
       fill(requested.values, effect->mutable_values());

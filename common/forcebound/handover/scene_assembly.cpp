@@ -14,12 +14,14 @@
 #include "forcebound/scene/geometry/bvh.hpp"
 #include "forcebound/scene/geometry/height_field.hpp"
 #include "forcebound/scene/part.hpp"
+#include "forcebound/tissue/tissue_shape.hpp"
 
 namespace forcebound::handover {
 namespace {
 
-// In the time of a triangle or height.
+// In the time of a triangle or height: cells, and bytes of a shape without geometry.
 constexpr std::size_t kCoverageCells = 3;
+constexpr std::size_t kShapeBytes = 64;
 
 /// A shape of which the geometry is not there yet: nothing to touch, and nothing is known about it.
 class NotThereYet final : public scene::Shape {
@@ -89,11 +91,11 @@ struct SceneAssembly::Parts {
   void read_manifest();
   void add_geometry_piece(std::size_t number, std::span<const std::byte> bytes);
   [[nodiscard]] Eigen::Index axes() const { return std::max(1, manifest->degrees_of_freedom()); }
+  void check_bytes() const;
   void check_work(const scene::Scene& scene) const;
   scene::SceneObject make_object(std::size_t number, AssembledScene& made);
   [[nodiscard]] const GeometryAssembly* coarse_of(std::size_t geometry) const;
   [[nodiscard]] Built build_shape(scene::SceneObject& object, const GeometryAssembly& geometry, AssembledScene& made);
-  void check_memory() const;
   void give_shape(scene::SceneObject& object, std::size_t number, std::size_t geometry_number, AssembledScene& made);
 };
 
@@ -113,6 +115,7 @@ SceneAssembly::SceneAssembly(const Announcement& announcement, scene::Registry r
                                          .limits = limits,
                                          .manifest_bytes = std::vector<std::byte>(announcement.manifest_bytes),
                                          .here = std::vector<bool>(announcement.pieces)});
+  if (parts_->registry.find_shape("tissue") == nullptr) parts_->registry.add(tissue::tissue_shape());
 }
 
 SceneAssembly::~SceneAssembly() = default;
@@ -223,7 +226,16 @@ scene::SceneObject SceneAssembly::Parts::make_object(std::size_t number, Assembl
   if (has_geometry) {
     give_shape(object, number, part.geometry() - 1, made);
   } else {
-    set_shape(object, kind, object.shape_values, axes(), {});
+    // Tissue takes seconds.
+    Built& last = built[number].full;
+    if (!last.shape) {
+      set_shape(object, kind, object.shape_values, axes(), {});
+      last.shape = std::move(object.shape);
+      made.elements_built += last.shape->facts().memory_bytes / kShapeBytes;
+      check_bytes();
+      if (scene::SearchBudget::abandoned()) throw HandoverError("nobody waits for the scene any more");
+    }
+    object.shape = std::make_unique<SharedShape>(last.shape);
   }
   return object;
 }
@@ -245,14 +257,6 @@ SceneAssembly::Parts::Built SceneAssembly::Parts::build_shape(scene::SceneObject
   return one;
 }
 
-void SceneAssembly::Parts::check_memory() const {
-  std::size_t bytes = 0;
-  for (const BuiltObject& one : built) bytes += one.memory_bytes();
-  if (bytes <= limits.shape_bytes) return;
-  throw HandoverError("the scene's shapes take " + std::to_string(bytes) + " bytes, at most " +
-                      std::to_string(limits.shape_bytes) + " are accepted");
-}
-
 void SceneAssembly::Parts::give_shape(scene::SceneObject& object, std::size_t number, std::size_t geometry_number,
                                       AssembledScene& made) {
   const GeometryAssembly& geometry = geometries[geometry_number];
@@ -272,7 +276,7 @@ void SceneAssembly::Parts::give_shape(scene::SceneObject& object, std::size_t nu
       check_error(*last.coarse.made.geometry.tree, coarse->error_m(), *last.full.made.geometry.tree, geometry.whole());
     last.full.made.geometry = {};
   }
-  check_memory();
+  check_bytes();
   made.exact.back() = last.coverage;
   if (last.coarse.shape) {
     double reach_m = 0;
@@ -288,6 +292,15 @@ void SceneAssembly::Parts::give_shape(scene::SceneObject& object, std::size_t nu
     object.shape = std::make_unique<SharedShape>(last.full.shape);
   } else {
     object.shape = std::make_unique<NotThereYet>();
+  }
+}
+
+void SceneAssembly::Parts::check_bytes() const {
+  std::size_t bytes = 0;
+  for (const BuiltObject& one : built) bytes += one.memory_bytes();
+  if (bytes > limits.shape_bytes) {
+    throw HandoverError("the scene's shapes take " + std::to_string(bytes) + " bytes, at most " +
+                        std::to_string(limits.shape_bytes) + " are accepted");
   }
 }
 

@@ -3,10 +3,12 @@
 #include <unistd.h>
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
 #include <new>
 #include <sstream>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 
 #include "forcebound/program/log.hpp"
@@ -110,6 +112,45 @@ End wrong_use(const std::string& program, const std::string& problem, const std:
   return {kWrongUse, program + ": " + problem + " (see " + command + " --help)\n"};
 }
 
+/// Prints what ends a program.
+int end_with(const std::string& name, const End& end) {
+  if (end.exit_code == kDone) {
+    std::fputs(text::printable_lines(end.text).c_str(), stdout);
+  } else if (logs_json()) {
+    const bool has_name = end.text.starts_with(name + ": ");
+    const std::string what = has_name ? end.text.substr(name.size() + 2) : end.text;
+    std::fputs(json_line_now(name, "error", what.substr(0, what.find_last_not_of('\n') + 1)).c_str(), stderr);
+  } else {
+    std::fputs(text::printable_lines(end.text).c_str(), stderr);
+  }
+  return end.exit_code;
+}
+
+int run_to_its_end(const std::string& name, const std::function<int()>& work) {
+  try {
+    return work();
+  } catch (const End& end) {
+    return end_with(name, end);
+  } catch (const std::invalid_argument& error) {
+    return end_with(name, wrong_use(name, error.what(), name));
+  } catch (const text::WriteError& error) {
+    return end_with(name, {kOutputLost, name + ": " + error.what() + "\n"});
+  } catch (const std::bad_alloc&) {
+    if (logs_json()) {
+      // Not by the writer of JSON, which would need memory.
+      std::fprintf(stderr,
+                   R"({"time":null,"level":"error","program":"%s","version":"%s","pid":%d,"text":"%s"})"
+                   "\n",
+                   name.c_str(), FORCEBOUND_VERSION, static_cast<int>(getpid()), "there is not enough memory");
+    } else {
+      std::fprintf(stderr, "%s: there is not enough memory\n", name.c_str());
+    }
+    return kFailed;
+  } catch (const std::exception& error) {
+    return end_with(name, {kFailed, name + ": " + error.what() + "\n"});
+  }
+}
+
 }  // namespace
 
 void set_up(CLI::App& app, const std::string& name) {
@@ -147,40 +188,13 @@ void parse(CLI::App& app, int argc, const char* const* argv) {
 }
 
 int run(const std::string& name, const std::function<int()>& work) noexcept {
-  const auto end_with = [&name](const End& end) {
-    if (end.exit_code == kDone) {
-      std::fputs(text::printable_lines(end.text).c_str(), stdout);
-    } else if (logs_json()) {
-      const bool has_name = end.text.starts_with(name + ": ");
-      const std::string what = has_name ? end.text.substr(name.size() + 2) : end.text;
-      std::fputs(json_line_now(name, "error", what.substr(0, what.find_last_not_of('\n') + 1)).c_str(), stderr);
-    } else {
-      std::fputs(text::printable_lines(end.text).c_str(), stderr);
-    }
-    return end.exit_code;
-  };
-  try {
-    return work();
-  } catch (const End& end) {
-    return end_with(end);
-  } catch (const std::invalid_argument& error) {
-    return end_with(wrong_use(name, error.what(), name));
-  } catch (const text::WriteError& error) {
-    return end_with({kOutputLost, name + ": " + error.what() + "\n"});
-  } catch (const std::bad_alloc&) {
-    if (logs_json()) {
-      // Not by the writer of JSON, which would need memory.
-      std::fprintf(stderr,
-                   R"({"time":null,"level":"error","program":"%s","version":"%s","pid":%d,"text":"%s"})"
-                   "\n",
-                   name.c_str(), FORCEBOUND_VERSION, static_cast<int>(getpid()), "there is not enough memory");
-    } else {
-      std::fprintf(stderr, "%s: there is not enough memory\n", name.c_str());
-    }
-    return kFailed;
-  } catch (const std::exception& error) {
-    return end_with({kFailed, name + ": " + error.what() + "\n"});
-  }
+  const int ended = run_to_its_end(name, work);
+  const bool flushed = std::fflush(stdout) == 0;
+  if (flushed && std::ferror(stdout) == 0) return ended;
+  // Where an earlier write failed its reason is gone.
+  const std::string why = flushed ? "" : ": " + std::generic_category().message(errno);
+  const int lost = end_with(name, {kOutputLost, name + ": standard output: cannot be written" + why + "\n"});
+  return ended == kDone || ended == kNeverConnected ? lost : ended;
 }
 
 void expect_apart(const FileOption& output, const std::vector<FileOption>& others) {

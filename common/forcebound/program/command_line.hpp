@@ -19,7 +19,7 @@ namespace forcebound::program {
 /// Exit codes. Wrong use: an option is unknown, lacks its value, has one that can never be right, or does not go with
 /// another. Failed: the command line is right, but a file, host or device cannot be used, or a run lost its session and
 /// was refused another. Not passive: the run ended, and its summary says NOT PASSIVE. Output lost: it ended well, but
-/// of what it was to write (a recording, a summary, a log) something is missing. Never connected: it had no session,
+/// of what it was to write (a file, standard output) something is missing. Never connected: it had no session,
 /// whatever ended it. The first of not passive, failed, output lost and never connected that holds is returned.
 /// Driver crashed: of a device or a robot; it was stopped, and nothing of what comes at the end was written.
 inline constexpr int kDone = 0;
@@ -51,7 +51,7 @@ void parse(CLI::App& app, int argc, const char* const* argv);
 
 /// Runs a program: prints what ends it on stderr, in one line unless it has line feeds, without control characters.
 /// @returns its exit code: that of an End, kWrongUse for std::invalid_argument, kOutputLost for text::WriteError,
-/// kFailed for any other exception.
+/// kFailed for any other exception; where standard output is lost, kOutputLost for kDone and kNeverConnected.
 int run(const std::string& name, const std::function<int()>& work) noexcept;
 
 /// The value that `read` returns; the message of a std::invalid_argument gets the option's name in front.

@@ -133,7 +133,7 @@ std::string encode(const TickRecord& tick) {
   out.set_local_scene_age_ns(tick.local_scene_age.count());
   put(tick.model, *out.mutable_model_n());
   out.set_model_deviation_m(tick.model_deviation_m);
-  if (tick.model_trust != 1) out.set_model_trust(tick.model_trust);
+  if (tick.model_trust) out.set_model_trust(*tick.model_trust);
   if (tick.handle.buttons) out.set_buttons(*tick.handle.buttons);
   if (tick.handle.gripper) out.set_gripper(*tick.handle.gripper);
   if (tick.handle.orientation)
@@ -172,7 +172,8 @@ void decode(std::string_view bytes, TickRecord& tick) {
   tick.local_scene_age = time_from(in.local_scene_age_ns(), "local_scene_age_ns");
   tick.model = vector_from(in.model_n(), "model_N");
   tick.model_deviation_m = in.model_deviation_m();
-  tick.model_trust = in.has_model_trust() ? in.model_trust() : 1;
+  tick.model_trust.reset();
+  if (in.has_model_trust()) tick.model_trust = in.model_trust();
   tick.handle = handle_from(in);
 }
 

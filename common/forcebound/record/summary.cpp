@@ -46,6 +46,7 @@ void Summary::add_force_stream(const TickRecord& tick) noexcept {
   if (tick.rendering == ForceOrigin::at_client) ++at_client_ticks_;
   if (tick.rendering == ForceOrigin::both) ++both_ticks_;
   if (tick.model.rows() > 0) ++modelled_ticks_;
+  if (tick.model_trust) model_trust_.add(*tick.model_trust);
   if (tick.force_sequence != 0) age_ns_.add(tick.force_age.count());
   if (waiting_ && tick.force_sequence == arrived_motion_) {
     wait_ns_.add((tick.force_age - arrived_round_trip_).count());

@@ -35,9 +35,10 @@ namespace forcebound::record {
 ///   often the policy changed.
 /// - `rendering`: where the requested force was computed, as shares of the ticks: `at_client` by the scene at the
 ///   client and by local models of the rest, `both` by these and by the server, `held` by the server alone; `modelled`
-///   are those of the ticks on which a local model counted. `asked` is "local" or "remote";
-///   `scene_pieces` and `scene_piece_bytes` count what was received of scenes; `scenes_from_cache` came from the cache
-///   instead.
+///   are those of the ticks on which a local model counted. `model_trust`: mean share of the models that counted, over
+///   the ticks whose newest answer had models; null: none had. `asked`, of the server, is "local" or "remote", and
+///   "remote" with any law that has a server-side law; `scene_pieces` and `scene_piece_bytes` count what was received
+///   of scenes; `scenes_from_cache` came from the cache instead.
 /// - `encryption`: of the datagrams, by the handshake's pattern: "IKpsk2", "NNpsk0", or "none"; null: the program that
 ///   made the recording did not say.
 /// - `server_clock_ms`: how far the server's clock is `ahead` of the client's at the end, and by how much that may be
@@ -161,6 +162,7 @@ class Summary final : public TickSink {
   std::uint64_t at_client_ticks_ = 0;
   std::uint64_t both_ticks_ = 0;
   std::uint64_t modelled_ticks_ = 0;
+  RunningStatistics model_trust_;
 
   double passivity_minimum_J_ = 0;
   double passivity_final_J_ = 0;

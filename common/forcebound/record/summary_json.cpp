@@ -98,6 +98,7 @@ void SummaryView::add_network(Json& json) const {
                        {"both", share(s.both_ticks_)},
                        {"held", share(s.ticks_ - s.at_client_ticks_ - s.both_ticks_)},
                        {"modelled", share(s.modelled_ticks_)},
+                       {"model_trust", s.model_trust_.mean()},
                        {"scene_pieces", count_json(total(&RunTotals::scene_pieces))},
                        {"scene_piece_bytes", count_json(total(&RunTotals::scene_piece_bytes))},
                        {"scenes_from_cache", count_json(total(&RunTotals::scenes_from_cache))}};

@@ -100,12 +100,16 @@ void SummaryView::print_network(std::string& out) const {
 }
 
 void SummaryView::print_rendering(std::string& out) const {
-  if (s.info_.rendering != "local") return;
-  const std::uint64_t here = s.at_client_ticks_ + s.both_ticks_;
-  std::string words = percent(share(here)) + " of the ticks at the client";
-  if (s.both_ticks_ > 0) words += " (" + percent(share(s.both_ticks_)) + " with forces of the server's)";
-  words += ", " + percent(share(s.ticks_ - here)) + " held";
-  if (s.modelled_ticks_ > 0) words += "; local models on " + percent(share(s.modelled_ticks_));
+  if (s.info_.rendering != "local") {
+    print_field(out, "rendering", s.info_.rendering + ": all forces are the server's");
+    return;
+  }
+  std::string words = "local: " + percent(share(s.at_client_ticks_)) + " of the ticks at the client, " +
+                      percent(share(s.both_ticks_)) + " both, " +
+                      percent(share(s.ticks_ - s.at_client_ticks_ - s.both_ticks_)) + " held";
+  const bool trusted = s.model_trust_.count() > 0;
+  if (trusted || s.modelled_ticks_ > 0) words += "; local models on " + percent(share(s.modelled_ticks_));
+  if (trusted) words += ", trust in them " + percent(s.model_trust_.mean());
   if (const auto pieces = total(&RunTotals::scene_pieces); pieces.value_or(0) > 0) {
     words += "; scene in " + counted(*pieces, "piece") + ", " +
              rounded(static_cast<double>(s.totals_->scene_piece_bytes) * 1e-3) + " kB";

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "forcebound/control/handle.hpp"
 #include "forcebound/control/vector.hpp"
@@ -57,8 +58,9 @@ struct TickRecord {
   Nanoseconds local_scene_age{0};  ///< since it was taken into use
   control::Vector model{};         ///< force of the server's local models at the device's own place [N]; no rows: none
   double model_deviation_m = 0;    ///< how far the newest answer moved a mass at the client
-  double model_trust = 1;          ///< the share of the models that counts, by how they foretold the answers
-  control::Handle handle{};        ///< buttons, gripper and orientation at the reading; absent: it has none
+  /// The share of the newest answer's models that counts, by how they foretold the answers; absent: it has none.
+  std::optional<double> model_trust{};
+  control::Handle handle{};  ///< buttons, gripper and orientation at the reading; absent: it has none
 };
 
 /// One environment force as it arrived.

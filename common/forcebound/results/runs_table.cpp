@@ -51,22 +51,25 @@ nlohmann::ordered_json read_summary(const std::string& file) {
 std::string comparison_table(const std::vector<NamedSummary>& runs) {
   text::Table table({{"run"},
                      {"law", "", text::Table::Align::left},
+                     {"rendering", "", text::Table::Align::left},
                      {"least P", "mJ"},
                      {"variance", "N^2"},
                      {"displayed", "N/m"},
-                     {"force age", "ms"}});
+                     {"force age", "ms"},
+                     {"trust", "%"}});
   const std::vector<std::string> names = short_names(runs);
   std::size_t untouched = 0;
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const auto& summary = runs[i].summary;
     untouched += never_touched(summary) ? 1 : 0;
-    table.add({names[i], law_of(summary), least_P_cell(summary), cell_at(summary, "/force_N/variance", 1, 4),
+    table.add({names[i], law_of(summary), rendering_of(summary), least_P_cell(summary),
+               cell_at(summary, "/force_N/variance", 1, 4),
                cell_at(summary, "/displayed_stiffness_N_per_m/median", 1, 0),
-               cell_at(summary, "/force_age_ms/p50", 1, 1)});
+               cell_at(summary, "/force_age_ms/p50", 1, 1), cell_at(summary, "/rendering/model_trust", 100, 0)});
   }
   return table.to_text() + untouched_in_words(untouched, runs.size()) +
          "\n  Variance of the force in contact; displayed stiffness at rest and force age\n"
-         "  are medians.\n";
+         "  are medians; trust in local models is a mean, \"-\" where there were none.\n";
 }
 
 }  // namespace forcebound::results

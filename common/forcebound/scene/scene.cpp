@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "forcebound/control/vector.hpp"
+#include "forcebound/scene/part_at_client.hpp"
 
 namespace forcebound::scene {
 
@@ -19,7 +20,11 @@ Scene::Scene(SceneFacts facts, SceneParts parts, AutoAccuracy accuracy)
   }
   for (const SceneDynamicModel& dynamic_model : parts_.dynamic_models) {
     inputs_ = inputs_.with(dynamic_model.dynamic_model->facts().inputs);
-    renderings_.push_back(rendering_of(*dynamic_model.dynamic_model));
+    // What clients share, or is more than one gives, stays with the server.
+    const auto* const runs = dynamic_cast<const RunsAtClient*>(dynamic_model.dynamic_model.get());
+    const bool at_client = runs != nullptr && !facts_.shared && runs->part_at_client();
+    renderings_.push_back(at_client ? PartRendering{Rendering::at_client, {}}
+                                    : rendering_of(*dynamic_model.dynamic_model));
   }
 }
 

@@ -90,6 +90,8 @@ Answer SceneState::answer(const Vector& position, Nanoseconds device_time, Nanos
     const ModelTouch touch = coupling.feel(probe, felt_at, faults_.dynamic_models);
     const SurfacePoint surface{.normal = touch.normal, .penetration_m = touch.penetration_m};
     if (coupling.sound() && add({.force_N = touch.force_N}, surface, total_N, answer)) {
+      const std::size_t part = plan.steps().size() + dynamic_models_[i];
+      if (scene_->rendering_of_part(part).how == Rendering::at_client) continue;
       server_parts_N += touch.force_N;
       if (wants_model) {
         describe(coupling, dynamic_models_[i], answer.model);

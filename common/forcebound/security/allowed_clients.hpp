@@ -33,9 +33,11 @@ struct AllowedClient {
 class AllowedClients {
  public:
   /// @param place the file's name, for errors
+  /// @param scenes that the server has; empty: any may be named
   /// @throws config::ConfigError in one line, also for a name or a key that is there twice
-  [[nodiscard]] static AllowedClients parse(std::string_view toml_text, const std::string& place);
-  [[nodiscard]] static AllowedClients from_file(const std::string& path);
+  [[nodiscard]] static AllowedClients parse(std::string_view toml_text, const std::string& place,
+                                            const std::vector<std::string>& scenes = {});
+  [[nodiscard]] static AllowedClients from_file(const std::string& path, const std::vector<std::string>& scenes = {});
 
   /// Null if nobody has this key.
   [[nodiscard]] const AllowedClient* find(const PublicKey& key) const noexcept;

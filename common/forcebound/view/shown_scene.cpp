@@ -63,10 +63,8 @@ Json preset_of(const config::Parameter& parameter) {
 
 std::string shape_json(const scene::SceneObject& object, const scene::Registry& registry) {
   Json shape = Json::object();
-  if (const scene::ShapeKind* const kind = registry.find_shape(object.shape_kind)) {
-    for (const config::Parameter& parameter : kind->parameters) {
-      if (Json preset = preset_of(parameter); !preset.is_null()) shape[std::string(key_of(parameter))] = preset;
-    }
+  for (const config::Parameter& parameter : registry.find_shape(object.shape_kind)->parameters) {
+    if (Json preset = preset_of(parameter); !preset.is_null()) shape[std::string(key_of(parameter))] = preset;
   }
   for (const auto& [key, value] : object.shape_values.all()) shape[key] = json_of(value);
   shape["name"] = object.name;
@@ -149,7 +147,8 @@ void add_object(ShownScene& to, const scene::SceneObject& object, const scene::R
   if (const std::size_t elements = elements_of(geometry); elements > kTrianglesShownMost) {
     add_too_large(to, object.name, elements);
   } else if (geometry.kind() == scene::GeometryKind::none) {
-    add_shape(to, shape_json(object, registry));
+    // No page knows other kinds. Tissue that a client runs is drawn as its server tells.
+    if (registry.find_shape(object.shape_kind) != nullptr) add_shape(to, shape_json(object, registry));
   } else {
     const Mesh mesh = geometry.mesh ? mesh_of(*geometry.mesh) : mesh_of(*geometry.heights);
     add_mesh(to, object.name, mesh.vertices_m, mesh.triangles, false);

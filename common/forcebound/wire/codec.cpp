@@ -4,33 +4,22 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <initializer_list>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <type_traits>
 
 #include "forcebound/control/assertion.hpp"
-#include "forcebound/v1/session.pb.h"
-#include "forcebound/wire/internal/crc32.hpp"
+#include "forcebound/wire/internal/bodies.hpp"
+#include "forcebound/wire/internal/frame.hpp"
 #include "forcebound/wire/internal/known_fields.hpp"
 #include "forcebound/wire/internal/proto_conversion.hpp"
 
 namespace forcebound::wire {
 namespace {
 
-constexpr std::size_t kHeaderBytes = 8;
-constexpr std::byte kFrameVersion{1};
-constexpr std::array kMark{std::byte{'F'}, std::byte{'B'}};
-constexpr std::size_t kKindAt = 3;
-constexpr std::size_t kChecksumAt = 4;
 // Tag and two bytes of length: the padding of a Hello is always longer than 127 bytes.
 constexpr std::size_t kPaddingOverhead = 3;
-
-std::uint32_t checksum(std::span<const std::byte> datagram) noexcept {
-  // The checksum covers the kind too: else a flipped bit could turn a Hello into a Bye.
-  return crc32_of(datagram[kKindAt], datagram.subspan(kHeaderBytes));
-}
 
 /// Silences Protocol Buffers, which writes to stderr about our own text that is not UTF-8; the other end refuses it.
 /// Only the kinds with text need this, and it locks.
@@ -55,27 +44,13 @@ std::string_view cut(std::string_view text, std::size_t bytes) noexcept {
 std::string_view cut_name(std::string_view text) noexcept { return cut(text, kNameBytesMax); }
 std::string_view cut_text(std::string_view text) noexcept { return cut(text, kTextBytesMax); }
 
-using Numbers = google::protobuf::RepeatedField<double>;
-
 // Tags of a fixed64.
 constexpr std::byte kNumberInField1{0x09};
 constexpr std::byte kNumberInField2{0x11};
 
-/// The fixed64 that a body begins with; 0 if it begins with another field.
-std::uint64_t first_number(std::span<const std::byte> body, std::byte tag) noexcept {
-  constexpr std::size_t kNumberBytes = sizeof(std::uint64_t);
-  if (body.size() < 1 + kNumberBytes || body[0] != tag) return 0;
-  std::uint64_t number = 0;
-  for (std::size_t i = 0; i < kNumberBytes; ++i) number |= std::to_integer<std::uint64_t>(body[1 + i]) << (8 * i);
-  return number;
-}
-
 }  // namespace
 
-struct Codec::Storage {
-  Storage();
-
-  void reserve_models();
+struct Codec::Storage : Bodies {
   void fill(const Hello& from) noexcept;
   void fill(const Welcome& from) noexcept;
   void fill(const Refusal& from) noexcept;
@@ -91,60 +66,9 @@ struct Codec::Storage {
   template <class Proto>
   std::variant<Message, Malformed> read(Proto& proto, std::span<const std::byte> datagram) noexcept;
 
-  v1::Hello hello;
-  v1::Welcome welcome;
-  v1::Refusal refusal;
-  v1::MotionSample motion;
-  v1::EnvironmentForce force;
-  v1::Bye bye;
-  v1::ScenePiece piece;
-  v1::ViewPiece view;
-
   KnownFields known;
-  std::array<std::byte, kFrameBytesMax> datagram{kMark[0], kMark[1], kFrameVersion};
+  std::array<std::byte, kFrameBytesMax> datagram{};
 };
-
-// Grows every string and list to the most that a datagram can hold; clearing keeps their memory.
-Codec::Storage::Storage() {
-  const std::string longest(kFrameBytesMax, 'x');
-  for (std::string* text :
-       {hello.mutable_device(), hello.mutable_scene(), hello.mutable_server_law(), hello.mutable_padding(),
-        welcome.mutable_scene(), welcome.mutable_simulated(), welcome.mutable_manifest_sha256(), refusal.mutable_text(),
-        piece.mutable_content(), view.mutable_content()}) {
-    *text = longest;
-  }
-  for (Numbers* numbers :
-       {motion.mutable_position_m(), force.mutable_force_n(), force.mutable_torque_n_m(), welcome.mutable_tool_m(),
-        force.mutable_server_parts_n(), force.mutable_position_m(), force.mutable_contact_normal(),
-        force.mutable_texture_wave_rad_per_m(), force.mutable_texture_across_rad_per_m(),
-        motion.mutable_server_law_numbers(), force.mutable_server_law_numbers()}) {
-    numbers->Reserve(static_cast<int>(kFrameBytesMax / sizeof(double)));
-  }
-  motion.mutable_orientation()->Reserve(static_cast<int>(kFrameBytesMax / sizeof(float)));
-  reserve_models();
-  // The first call makes those of all messages.
-  (void)v1::Hello::descriptor();
-}
-
-// Elements that were cleared keep their memory, and so do their lists of numbers. Of each kind there is room for as
-// many elements as a body can have.
-void Codec::Storage::reserve_models() {
-  const auto reserve = [](std::initializer_list<google::protobuf::RepeatedField<float>*> lists) {
-    for (auto* const list : lists) list->Reserve(static_cast<int>(kFrameBytesMax / sizeof(float)));
-  };
-  for (int i = 0; i < KnownFields::kMessagesMax; ++i) {
-    v1::ModelSurface& surface = *force.add_model_surface();
-    reserve({surface.mutable_force_n(), surface.mutable_place_m(), surface.mutable_normal(),
-             surface.mutable_stiffness_n_per_m(), surface.mutable_velocity_m_per_s(),
-             surface.mutable_acceleration_m_per_s2()});
-    v1::ModelMass& mass = *force.add_model_mass();
-    reserve({mass.mutable_force_n(), mass.mutable_place_m(), mass.mutable_body(), mass.mutable_contacts(),
-             mass.mutable_met()});
-    v1::ModelField& field = *force.add_model_field();
-    reserve({field.mutable_force_n(), field.mutable_place_m(), field.mutable_jacobian_n_per_m()});
-  }
-  force.Clear();
-}
 
 void Codec::Storage::fill(const Hello& from) noexcept {
   hello.Clear();
@@ -351,9 +275,7 @@ std::span<const std::byte> Codec::Storage::frame(std::size_t kind, Proto& body) 
   FORCEBOUND_ASSERT(bytes <= kFrameBytesMax, "texts are cut, and pieces made, so that their message fits a datagram");
   body.SerializeWithCachedSizesToArray(reinterpret_cast<std::uint8_t*>(datagram.data() + kHeaderBytes));
   const std::span<std::byte> framed{datagram.data(), bytes};
-  framed[kKindAt] = static_cast<std::byte>(kind);
-  const std::uint32_t sum = checksum(framed);
-  for (std::size_t i = 0; i < 4; ++i) framed[kChecksumAt + i] = static_cast<std::byte>(sum >> (8 * i));
+  write_header(framed, kind);
   return framed;
 }
 
@@ -398,17 +320,10 @@ std::span<const std::byte> Codec::encode(const EnvironmentForce& force) noexcept
 }
 
 std::variant<Heading, Malformed> heading_of(std::span<const std::byte> datagram) noexcept {
-  if (datagram.size() > kFrameBytesMax) return Malformed::oversize;
-  if (datagram.size() < kHeaderBytes) return Malformed::truncated;
-  if (!std::equal(kMark.begin(), kMark.end(), datagram.begin()) || datagram[2] != kFrameVersion) {
-    return Malformed::foreign;
-  }
-  std::uint32_t sum = 0;
-  for (std::size_t i = 0; i < 4; ++i) sum |= std::to_integer<std::uint32_t>(datagram[kChecksumAt + i]) << (8 * i);
-  if (sum != checksum(datagram)) return Malformed::corrupt;
+  if (const auto flaw = flaw_of_header(datagram)) return *flaw;
 
   // Kind 0 is none, and becomes the largest number.
-  Heading heading{.kind = std::to_integer<std::size_t>(datagram[kKindAt]) - 1};
+  Heading heading{.kind = kind_of(datagram) - 1};
   const auto body = datagram.subspan(kHeaderBytes);
   if (heading.is<Welcome>()) {
     heading.client_nonce = first_number(body, kNumberInField1);

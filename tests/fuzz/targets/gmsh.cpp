@@ -1,6 +1,6 @@
 #include <sstream>
 
-#include "forcebound/server/dynamics/tissue/gmsh_file.hpp"
+#include "forcebound/tissue/gmsh_file.hpp"
 #include "tests/fuzz/input.hpp"
 
 namespace forcebound::fuzz {
@@ -8,7 +8,7 @@ namespace forcebound::fuzz {
 void fuzz_gmsh(Bytes bytes) {
   may_refuse([&] {
     std::istringstream text{std::string(text_of(bytes))};
-    const server::TetrahedralSoup soup = server::read_gmsh(text, "mesh.msh");
+    const tissue::TetrahedralSoup soup = tissue::read_gmsh(text, "mesh.msh");
     must(!soup.tetrahedra.empty(), "a mesh without a tetrahedron");
     for (const auto& tetrahedron : soup.tetrahedra) {
       for (const std::size_t node : tetrahedron.nodes) must(node < soup.nodes.size(), "a node that the mesh lacks");

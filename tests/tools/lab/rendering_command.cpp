@@ -33,6 +33,7 @@ constexpr const char* kRenderingPicture = "rendering.png";
 
 struct RenderingOptions {
   RenderingStudySettings settings;
+  std::string only;
   bool two_people = false;
   bool side_by_side = false;
   std::vector<std::string> live;
@@ -79,11 +80,11 @@ void run_live(const RenderingOptions& options) {
   std::fputs(live_runs_table(runs, text::colour_for(STDOUT_FILENO)).c_str(), stdout);
 }
 
-Json carried_out_rendering(const RenderingStudySettings& settings) {
+std::vector<RenderingRow> carried_out_rendering(const std::vector<RenderingTask>& tasks,
+                                                const RenderingStudySettings& settings) {
   report_left_out(standard_networks().absent);
   program::Progress progress;
-  return rendering_json(settings,
-                        study_rendering(settings, [&](double share) { progress.report(share, "rendering"); }));
+  return study_rendering(tasks, settings, [&](double share) { progress.report(share, "rendering"); });
 }
 
 Json read_rendering(const std::string& file) {
@@ -94,23 +95,49 @@ Json read_rendering(const std::string& file) {
   return study;
 }
 
+/// Of a study and of each class; none of what is not run.
+std::vector<std::string> pictures_drawn(const std::vector<RenderingTask>& tasks) {
+  std::vector<std::string> pictures{kRenderingPicture};
+  for (const RenderingTask& task : tasks) {
+    const std::string picture = course_picture(task.group);
+    if (pictures.back() != picture) pictures.push_back(picture);
+  }
+  return pictures;
+}
+
+void draw_figures(const RenderingOptions& options, const Json& study, const std::vector<RenderingTask>& tasks,
+                  const std::vector<RenderingRow>& rows) {
+  const std::filesystem::path folder = options.figures;
+  const auto drawn = results::draw(rendering_figure(study), folder / kRenderingPicture, options.formats);
+  std::printf("\nFigure: %s\n", drawn.c_str());
+  for (const WorstRendering& worst : worst_renderings(rows)) {
+    const auto course = rendering_course(tasks, worst, options.settings)
+                            .draw_to(folder / course_picture(worst.row->group), options.formats);
+    std::printf("Figure: %s\n", course.c_str());
+  }
+}
+
 void run_rendering(const RenderingOptions& options) {
   if (!options.live.empty()) {
     run_live(options);
     return;
   }
+  const bool is_run = options.from.empty() && !options.two_people;
+  const std::vector<RenderingTask> tasks = is_run ? rendering_tasks_with(options.only) : std::vector<RenderingTask>{};
   results::prepare({.inputs = {options.from},
                     .files = {options.csv, options.json},
                     .page = options.readme,
                     .marks = kRenderingMarks,
                     .folder = options.figures,
-                    .figures = results::pictures_in(options.figures, {kRenderingPicture}),
+                    .figures = results::pictures_in(options.figures, pictures_drawn(tasks)),
                     .formats = options.formats});
   if (options.two_people) {
     run_two_people(options);
     return;
   }
-  const Json study = options.from.empty() ? carried_out_rendering(options.settings) : read_rendering(options.from);
+  const std::vector<RenderingRow> rows =
+      is_run ? carried_out_rendering(tasks, options.settings) : std::vector<RenderingRow>{};
+  const Json study = is_run ? rendering_json(options.settings, rows) : read_rendering(options.from);
   const std::string told = options.side_by_side ? rendering_side_by_side(study) : rendering_text(study);
   std::fputs(text::printable_lines(told).c_str(), stdout);
   if (!options.csv.empty()) text::write_file(options.csv, rendering_csv(study));
@@ -118,10 +145,7 @@ void run_rendering(const RenderingOptions& options) {
   if (!options.readme.empty()) {
     text::write_file(options.readme, results::page_with(options.readme, kRenderingMarks, rendering_markdown(study)));
   }
-  if (options.figures.empty()) return;
-  const auto drawn = results::draw(rendering_figure(study), std::filesystem::path(options.figures) / kRenderingPicture,
-                                   options.formats);
-  std::printf("\nFigure: %s\n", drawn.c_str());
+  if (!options.figures.empty()) draw_figures(options, study, tasks, rows);
 }
 
 /// What is printed or drawn in place of a study.
@@ -144,7 +168,8 @@ void add_outputs(CLI::App& command, RenderingOptions& options, const OtherSource
       ->excludes(others.two_people)
       ->excludes(others.live)
       ->type_name("PAGE.md");
-  program::add_figures(command, options.figures, options.formats, "draw stiffness and error of each class")
+  program::add_figures(command, options.figures, options.formats,
+                       "draw stiffness and error of each class, and the course of its worst run")
       ->excludes(others.two_people)
       ->excludes(others.live);
 }
@@ -164,8 +189,7 @@ void add_rendering(CLI::App& app) {
       ->type_name("N")
       ->capture_default_str();
   CLI::Option* only =
-      command
-          ->add_option("--only", options->settings.only, "run only the scenes whose name or class contains this word")
+      command->add_option("--only", options->only, "run only the scenes whose name or class contains this word")
           ->type_name("WORD");
   command
       ->add_option_function<std::string>(

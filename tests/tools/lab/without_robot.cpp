@@ -3,18 +3,14 @@
 
 #include <stdexcept>
 
+#include "forcebound/program/without_robots.hpp"
 #include "tests/tools/lab/commands.hpp"
 
 namespace forcebound::lab {
-namespace {
-
-constexpr const char* kRefusal = "this program was built without robots; -DFORCEBOUND_ROBOT=ON builds it with them";
-
-}  // namespace
 
 void add_teleoperate(CLI::App& app) {
-  app.add_subcommand("teleoperate", std::string("Not here: ") + kRefusal)->allow_extras()->callback([] {
-    throw std::invalid_argument(kRefusal);
+  app.add_subcommand("teleoperate", std::string("Not here: ") + program::kWithoutRobots)->allow_extras()->callback([] {
+    throw std::invalid_argument(program::kWithoutRobots);
   });
 }
 

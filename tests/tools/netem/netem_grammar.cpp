@@ -80,6 +80,10 @@ class Grammar {
     const std::string_view word = words_.take("a netem word");
     const auto keyword =
         std::find_if(kKeywords.begin(), kKeywords.end(), [&](const Keyword& k) { return k.word == word; });
+    if (keyword == kKeywords.end() && is_unit(word))
+      throw std::invalid_argument("'" + std::string(word) +
+                                  "' stands apart from its number: expected both together, such as 50ms, 5% or 1Mbit "
+                                  "(units: s, ms, us and ns; %; bit or bps, also with k, M, G or T)");
     if (keyword == kKeywords.end())
       throw std::invalid_argument("'" + std::string(word) +
                                   "' is not a netem word: expected delay, distribution, loss, duplicate, corrupt, "

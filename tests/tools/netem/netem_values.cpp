@@ -122,6 +122,10 @@ std::int64_t parse_integer(std::string_view text, std::string_view meaning, std:
   return value;
 }
 
+bool is_unit(std::string_view text) noexcept {
+  return text == "%" || find_unit(kTimeUnits, text) != nullptr || find_unit(kRateUnits, text) != nullptr;
+}
+
 bool looks_like_number(std::string_view text) noexcept {
   return !text.empty() && ((text[0] >= '0' && text[0] <= '9') || text[0] == '-' || text[0] == '+' || text[0] == '.');
 }

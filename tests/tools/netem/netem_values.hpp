@@ -29,6 +29,9 @@ std::int64_t parse_integer(std::string_view text, std::string_view meaning, std:
 /// @throws std::invalid_argument as parse_netem
 std::string with_units(std::string_view words);
 
+/// Whether this is a unit, without its number.
+bool is_unit(std::string_view text) noexcept;
+
 /// Whether an optional number follows: netem decides by the first character.
 bool looks_like_number(std::string_view text) noexcept;
 

@@ -25,7 +25,7 @@ Control::Answer Control::answer(std::string_view line, Nanoseconds now) {
   const bool down = way == "down" || way == "both";
   if (!up && !down) {
     return {.text = "error: expected up, down or both and the words of 'tc ... netem', or status, got '" +
-                    text::printable(line) + "'"};
+                    text::printable(std::string(way) + (words.empty() ? "" : " " + words)) + "'"};
   }
   try {
     const netem::NetemParameters netem = netem::parse_netem(words);

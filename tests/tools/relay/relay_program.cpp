@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <cstdint>
@@ -37,9 +38,9 @@ namespace {
 // Also bounds the delay of a signal that comes just before the wait.
 constexpr Nanoseconds kLongestWait = std::chrono::milliseconds(50);
 
-volatile std::sig_atomic_t stop_asked = 0;
+std::atomic<bool> stop_asked{false};  // any thread may get the signal
 
-void ask_to_stop(int) { stop_asked = 1; }
+void ask_to_stop(int) { stop_asked = true; }
 
 Nanoseconds now() { return time::SteadyClock().now(); }
 
@@ -164,7 +165,7 @@ void run(Relay& relay, const net::UdpLink& downstream, UdpUpstream& upstream, co
          std::optional<ControlSocket>& control) {
   std::vector<int> descriptors;
   ServerWords words(upstream, server);
-  while (stop_asked == 0) {
+  while (!stop_asked) {
     relay.forward(now());
     relay.receive(now());
     relay.forward(now());

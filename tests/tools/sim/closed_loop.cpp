@@ -20,15 +20,17 @@ using namespace std::chrono_literals;
 constexpr Nanoseconds kServerTimer = 250ms;
 constexpr Nanoseconds kClosing = 30s;  // virtual time
 
-ClosedLoop::Settings with_laws(ClosedLoop::Settings settings) {
+/// With the laws, and with local rendering only where the law allows it, as a client has it.
+ClosedLoop::Settings completed(ClosedLoop::Settings settings) {
   if (!settings.laws) settings.laws = std::make_shared<const control::LawRegistry>(baselines::shipped_laws());
+  if (settings.laws->find(settings.law).make_server_side) settings.renders_locally = false;
   return settings;
 }
 
 }  // namespace
 
 ClosedLoop::ClosedLoop(Settings settings, const std::vector<record::TickSink*>& sinks)
-    : settings_(with_laws(std::move(settings))),
+    : settings_(completed(std::move(settings))),
       tick_clock_(clock_),
       server_clock_(clock_, settings_.server_clock),
       schedule_(settings_.timing, time::from_seconds(settings_.device.facts.period_s), settings_.seed),

@@ -284,9 +284,46 @@ TEST(SceneAssembly, HasNothingToTouchWhereAllGeometryIsMissing) {
 }
 
 TEST(SceneAssembly, LeavesOutWhatMovesByItself) {
-  const auto tissue = server::load_scene("palpation");
+  const auto tissue = server::load_scene("soft_pad");
   EXPECT_EQ(tissue->rendering_of_part(tissue->parts() - 1).how, scene::Rendering::modelled);
 }
+
+TEST(SceneAssembly, HandsOverLinearTissueOnlyToWhoHasItAlone) {
+  const auto alone = server::load_scene("palpation");
+  EXPECT_EQ(alone->rendering_of_part(0).how, scene::Rendering::at_client);
+  const auto shared = server::load_scene("two_hands");
+  EXPECT_EQ(shared->rendering_of_part(0).how, scene::Rendering::modelled);
+  EXPECT_FALSE(pack(*shared));
+}
+
+/// Of the tissue alone; a hand slides to and fro over it at 0.1 m/s, 4 mm deep.
+class SlidOver : public testing::TestWithParam<const char*> {};
+
+TEST_P(SlidOver, GivesTheForceOfTheServerToRounding) {
+  const std::shared_ptr<const Scene> scene = server::load_scene(GetParam());
+  const auto packed = pack(*scene);
+  ASSERT_TRUE(packed);
+  const AssembledScene made = assembled(*packed, 1).build();
+  scene::SceneState there(scene, 3);
+  scene::SceneState here(made.scene, 3);
+  const Point top_m = scene->on_surface_m(0);
+  constexpr int kTicks = 2000;
+  int touched = 0;
+  for (int tick = 0; tick < kTicks; ++tick) {
+    const double time_s = 1e-3 * tick;
+    const Point device_m =
+        top_m + Point(0.003 + 0.015 * std::sin(0.1 / 0.015 * time_s), 0.002, std::max(-0.004, 0.002 - 0.02 * time_s));
+    const scene::Answer told = there.answer(Vector(device_m), tick * 1ms, 0ms, true);
+    EXPECT_TRUE(told.model.empty());
+    EXPECT_EQ(told.server_parts_N.rows(), 0);
+    const scene::Answer felt = here.answer(Vector(device_m), tick * 1ms);
+    ASSERT_LE((felt.force - told.force).norm(), 1e-12 * (1 + told.force.norm())) << tick;
+    touched += told.force.isZero(0) ? 0 : 1;
+  }
+  EXPECT_GT(touched, kTicks / 2);
+}
+
+INSTANTIATE_TEST_SUITE_P(ByPointAndBall, SlidOver, testing::Values("pad", "palpation"));
 
 // From here on the server lies, or something on the way is broken.
 

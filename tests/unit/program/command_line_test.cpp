@@ -1,7 +1,9 @@
 #include "forcebound/program/command_line.hpp"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -141,6 +143,32 @@ TEST(CommandLine, TellsLostOutputFromFailure) {
                 }),
             kOutputLost);
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "example: /dev/full: cannot be written: No space left on device\n");
+}
+
+/// Of a program that prints a line and ends with `exit_code`, where every write to standard output finds no space left.
+Ended ended_on_full_disk(int exit_code) {
+  testing::internal::CaptureStderr();
+  std::fflush(stdout);
+  const int kept = dup(STDOUT_FILENO);
+  const int full = open("/dev/full", O_WRONLY | O_CLOEXEC);
+  dup2(full, STDOUT_FILENO);
+  close(full);
+  const int ended_with = run("example", [exit_code] {
+    std::fputs("a line\n", stdout);
+    return exit_code;
+  });
+  dup2(kept, STDOUT_FILENO);
+  close(kept);
+  std::clearerr(stdout);
+  return {ended_with, "", testing::internal::GetCapturedStderr()};
+}
+
+TEST(CommandLine, SaysThatStandardOutputIsLost) {
+  const Ended done = ended_on_full_disk(kDone);
+  EXPECT_EQ(done.exit_code, kOutputLost);
+  EXPECT_EQ(done.err, "example: standard output: cannot be written: No space left on device\n");
+  EXPECT_EQ(ended_on_full_disk(kNeverConnected).exit_code, kOutputLost);
+  for (const int worse : {kFailed, kNotPassive}) EXPECT_EQ(ended_on_full_disk(worse).exit_code, worse);
 }
 
 TEST(CommandLine, SaysThatThereIsNotEnoughMemory) {

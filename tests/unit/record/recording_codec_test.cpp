@@ -33,6 +33,16 @@ TEST(RecordingCodec, KeepsMotionsWithNumbersThatAreNotFinite) {
   EXPECT_EQ(back.server_law_numbers, motion.server_law_numbers);
 }
 
+TEST(RecordingCodec, TellsWholeTrustInModelsFromNoModels) {
+  TickRecord tick;
+  tick.model_trust = 1;
+  TickRecord back;
+  decode(encode(tick), back);
+  EXPECT_EQ(back.model_trust, 1);
+  decode(encode(TickRecord{}), back);
+  EXPECT_EQ(back.model_trust, std::nullopt);
+}
+
 TEST(RecordingCodec, NamesATimeOutOfRange) {
   const wire::MotionSample motion{.device_time = wire::kTimeMost + Nanoseconds{1}};
   EXPECT_EQ(refusal_of<wire::MotionSample>(encode(motion)),

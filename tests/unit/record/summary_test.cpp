@@ -452,6 +452,7 @@ TEST(Summary, SaysOnWhatShareOfTheTicksForcesWereComputedWhere) {
     if (n > 4) tick.rendering = ForceOrigin::at_client;
     if (n > 9) tick.rendering = ForceOrigin::both;
     if (n > 7) tick.model = vector_of({1});
+    if (n > 6) tick.model_trust = n > 7 ? 1 : 0;
     summary.on_tick(tick);
   }
   summary.finish(test::sample_totals());
@@ -461,7 +462,24 @@ TEST(Summary, SaysOnWhatShareOfTheTicksForcesWereComputedWhere) {
   EXPECT_EQ(rendering["at_client"], 0.5);
   EXPECT_EQ(rendering["both"], 0.1);
   EXPECT_EQ(rendering["modelled"], 0.3);
-  EXPECT_THAT(summary.to_text(), ContainsRegex("local[ \n]+models[ \n]+on[ \n]+30"));
+  EXPECT_EQ(rendering["model_trust"], 0.75) << "of the ticks with models";
+  EXPECT_THAT(summary.to_text(),
+              HasSubstr("  rendering     local: 50 % of the ticks at the client, 10 % both, 40 % held;\n"
+                        "                local models on 30 %, trust in them 75 %\n"));
+}
+
+TEST(Summary, SaysNothingOfTrustWhereNoModelCame) {
+  RunInfo info = test::sample_info();
+  info.rendering = "local";
+  Summary summary(info);
+  summary.on_tick(tick_at(1));
+  EXPECT_TRUE(json_of(summary)["rendering"]["model_trust"].is_null());
+  EXPECT_THAT(summary.to_text(),
+              HasSubstr("rendering     local: 0 % of the ticks at the client, 0 % both, 100 % held\n"));
+}
+
+TEST(Summary, SaysThatForcesWereRenderedRemotely) {
+  EXPECT_THAT(Summary(test::sample_info()).to_text(), HasSubstr("rendering     remote: all forces are the server's\n"));
 }
 
 TEST(Summary, SurvivesTextThatIsNotUtf8AndLongerThanALine) {

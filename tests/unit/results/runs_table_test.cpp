@@ -27,6 +27,7 @@ std::vector<std::string> words_of_line(const std::string& table, int line) {
 
 Json summary_of(const char* law, double least_P_J) {
   return {{"law", law},
+          {"rendering", {{"asked", "local"}, {"model_trust", 0.752}}},
           {"force_age_ms", {{"p50", 104.2}, {"p99", 121.76}, {"max", 300.0}}},
           {"force_N", {{"mean", 1.0}, {"variance", 0.12345}, {"max", 3.3}}},
           {"displayed_stiffness_N_per_m", {{"mean", 312.4}, {"median", 298.6}}},
@@ -49,18 +50,19 @@ TEST(ReadSummary, RefusesWhatIsNone) {
 TEST(ComparisonTable, GivesEachRunALineInItsOrder) {
   const std::string table =
       comparison_table({{"a.json", summary_of("none", -1.25)}, {"b.mcap", summary_of("fba-more", 0.0)}});
-  EXPECT_THAT(words_of_line(table, 2), ElementsAre("a.json", "none", "-1250", "0.1235", "299", "104.2"));
-  EXPECT_THAT(words_of_line(table, 3), ElementsAre("b.mcap", "fba-more", "0", "0.1235", "299", "104.2"));
+  EXPECT_THAT(words_of_line(table, 2), ElementsAre("a.json", "none", "local", "-1250", "0.1235", "299", "104.2", "75"));
+  EXPECT_THAT(words_of_line(table, 3), ElementsAre("b.mcap", "fba-more", "local", "0", "0.1235", "299", "104.2", "75"));
 }
 
 TEST(ComparisonTable, ShowsWhatIsUnknownAsUnknown) {
   Json summary = summary_of("fba-less", 0.0);
   summary["passivity"] = {{"minimum_J", nullptr}};
   summary.erase("force_age_ms");
+  summary["rendering"] = {{"asked", "remote"}, {"model_trust", nullptr}};
   EXPECT_THAT(words_of_line(comparison_table({{"a.json", summary}}), 2),
-              ElementsAre("a.json", "fba-less", "-", "0.1235", "299", "-"));
+              ElementsAre("a.json", "fba-less", "remote", "-", "0.1235", "299", "-", "-"));
   EXPECT_THAT(words_of_line(comparison_table({{"a.json", Json::object()}}), 2),
-              ElementsAre("a.json", "-", "-", "-", "-", "-"));
+              ElementsAre("a.json", "-", "-", "-", "-", "-", "-", "-"));
 }
 
 TEST(ComparisonTable, SaysWhyThereAreDashesWhereAHandNeverTouched) {
@@ -81,12 +83,12 @@ TEST(ComparisonTable, MarksARunThatWasNotPassive) {
 }
 
 TEST(ComparisonTable, HasAUnitOverEachNumber) {
-  EXPECT_THAT(words_of_line(comparison_table({}), 1), ElementsAre("[mJ]", "[N^2]", "[N/m]", "[ms]"));
+  EXPECT_THAT(words_of_line(comparison_table({}), 1), ElementsAre("[mJ]", "[N^2]", "[N/m]", "[ms]", "[%]"));
 }
 
 TEST(ComparisonTable, ShowsALeastPWithinRoundingAsZero) {
-  EXPECT_EQ(words_of_line(comparison_table({{"a.json", summary_of("none", -1e-9)}}), 2)[2], "0");
-  EXPECT_EQ(words_of_line(comparison_table({{"a.json", summary_of("none", -2e-9)}}), 2)[2], "-2e-06");
+  EXPECT_EQ(words_of_line(comparison_table({{"a.json", summary_of("none", -1e-9)}}), 2)[3], "0");
+  EXPECT_EQ(words_of_line(comparison_table({{"a.json", summary_of("none", -2e-9)}}), 2)[3], "-2e-06");
 }
 
 TEST(ComparisonTable, NamesFilesAsBrieflyAsTellsThemApart) {

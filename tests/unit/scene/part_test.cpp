@@ -94,13 +94,14 @@ TEST(MakePart, BuildsNoTreeOfAMeshWhereOneIsThereAlready) {
   ShapeGeometry with = without;
   with.tree = std::make_shared<const Bvh>(without.mesh);
   const ShapeGeometry of_another{.mesh = test::shared_mesh(test::ball(0.02, 10)), .tree = with.tree};
+  const Registry& kinds = registry();  // made by the first who asks
   for (const NamedValues& shape :
        {NamedValues{"mesh", {{"file", std::string("nowhere.obj")}}},
         NamedValues{"distance_field", {{"file", std::string("nowhere.obj")}, {"spacing_m", 0.002}}}}) {
     mesh.shape = shape;
     const auto operations = [&](const ShapeGeometry& geometry) {
       const test::AllocationGuard guard;
-      const SceneObject part = make_part(mesh, registry(), 3, {}, geometry);
+      const SceneObject part = make_part(mesh, kinds, 3, {}, geometry);
       std::vector<std::byte> state(part.shape->facts().state_bytes);
       part.shape->begin_outside({0, 0, 0.03}, state.data());
       EXPECT_GT(part.shape->nearest({0, 0, 0.018}, state.data()).penetration_m, 0);

@@ -63,5 +63,18 @@ TEST(AllowedClients, SayWhatIsWrongAndWhere) {
   EXPECT_THROW((void)AllowedClients::from_file("/nonexistent/clients.toml"), config::ConfigError);
 }
 
+TEST(AllowedClients, MayBeLetIntoScenesThatTheServerHasAlone) {
+  const std::string text =
+      "[[client]]\nname = 'anna'\npublic_key = '" + public_text(1) + "'\nscenes = ['wall', 'spher']\n";
+  EXPECT_THAT(
+      [&] {
+        (void)AllowedClients::parse(text, "clients.toml", {"sphere", "wall"});
+      },
+      ThrowsMessage<config::ConfigError>(
+          "clients.toml:4: client 'anna': scenes: no scene 'spher', did you mean 'sphere'? (known: sphere, "
+          "wall)"));
+  EXPECT_NO_THROW((void)AllowedClients::parse(text, "clients.toml", {"spher", "wall"}));
+}
+
 }  // namespace
 }  // namespace forcebound::security

@@ -115,8 +115,9 @@ class LiveRun {
     show(tracks);
     LiveLine line;
     Client client(main.settings, *main.device, std::move(main.law), {&line, main.tap.get()});
-    spdlog::info("{}; law {}, server {}, {}", first_words(*main.device, main.settings.hand), choice_.law,
-                 client.server_in_words(), encryption_in_words(main.settings));
+    spdlog::info("{}; law {}, {}, server {}, {}", first_words(*main.device, main.settings.hand), choice_.law,
+                 rendering_in_words(main.settings, client), client.server_in_words(),
+                 encryption_in_words(main.settings));
     warn_of_hand(main.settings.hand, *main.device);
     Screen screen(options_, line, client.events(), [this](const EventWords& words) { show_event(0, words); });
     Beside beside;

@@ -19,6 +19,7 @@
 #include "forcebound/program/command_line.hpp"
 #include "forcebound/program/log.hpp"
 #include "forcebound/program/option_file.hpp"
+#include "forcebound/text/names.hpp"
 
 namespace forcebound::client {
 namespace {
@@ -95,8 +96,8 @@ void add_device_and_law(CLI::App& app, Options& options, Typed& typed, const con
 /// How forces come to be: where, how often, how fast and until when.
 void add_rendering(CLI::App& app, Options& options, Typed& typed) {
   app.add_option("--rendering", typed.rendering,
-                 "local: what does not move in the scene is handed over and runs at the client; remote: all forces "
-                 "are the server's")
+                 "local: what does not move in the scene is handed over and runs at the client, unless the law has a "
+                 "server-side law; remote: all forces are the server's")
       ->check(program::one_of("rendering", {"local", "remote"}))
       ->type_name("local|remote")
       ->capture_default_str();
@@ -195,6 +196,15 @@ void expect_files_apart(const Options& options) {
   program::expect_apart({"--summary", options.summary}, {{"--record", options.client.recording}});
 }
 
+/// @throws std::invalid_argument if forces are to be computed here, and the law needs all of them from the server
+void expect_rendering_of_law(const control::LawRegistry& laws, const std::string& law) {
+  if (!laws.find(law).make_server_side) return;
+  std::vector<std::string> such = laws.names();
+  std::erase_if(such, [&](const std::string& name) { return !laws.find(name).make_server_side; });
+  throw std::invalid_argument("--rendering local: all forces go through the server-side law of '" + law +
+                              "'; accepted are --rendering remote, or a law other than " + text::join(such));
+}
+
 /// With a page and no other operator the hand follows the pointer, on a device that suits the scene.
 void complete_for_page(Options& options, const device::DeviceRegistry& devices) {
   if (!options.device.hand.empty()) return;
@@ -231,6 +241,9 @@ Options parse_options(int argc, const char* const* argv) {
                            .drop = time::from_seconds(typed.drop_ms * 1e-3)};
   program::value_of("--hold, --drop", [&] { options.client.policy.validate(); });
   options.client.renders_locally = typed.rendering == "local";
+  if (app.count("--rendering") > 0 && options.client.renders_locally) {
+    expect_rendering_of_law(laws, options.client.law);
+  }
   if (options.client.scene_cache == "none") options.client.scene_cache.clear();
   options.client.send_rate = program::value_of("--send-rate", [&] { return parse_send_rate(typed.send_rate); });
   options.law_options.memory = typed.memory == "full" ? control::EnergyMemory::full : control::EnergyMemory::capped;

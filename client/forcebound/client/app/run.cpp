@@ -55,8 +55,8 @@ int run(const Options& options, const std::atomic<bool>& stop) {
 
   LiveLine line;
   Client client(settings, *device, std::move(law), {&line});
-  spdlog::info("{}; law {}, server {}, {}", first_words(*device, options.device.hand), options.client.law,
-               client.server_in_words(), encryption_in_words(settings));
+  spdlog::info("{}; law {}, {}, server {}, {}", first_words(*device, options.device.hand), options.client.law,
+               rendering_in_words(settings, client), client.server_in_words(), encryption_in_words(settings));
   warn_of_hand(options.device.hand, *device);
   Screen screen(options, line, client.events());
   Nanoseconds last{0};

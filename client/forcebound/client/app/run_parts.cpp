@@ -35,6 +35,12 @@ control::LawOptions law_options(const Options& options, const control::LawRegist
   return chosen;
 }
 
+std::string rendering_in_words(const Client::Settings& settings, const Client& client) {
+  const std::string& asked = client.summary().info().rendering;
+  const bool by_law = settings.renders_locally && asked == "remote";
+  return asked + " rendering" + (by_law ? ", as all forces go through its server-side law" : "");
+}
+
 std::string_view encryption_in_words(const Client::Settings& settings) {
   if (settings.identity.any()) return "encrypted";
   return settings.insecure ? "NOT ENCRYPTED (--insecure)" : "not encrypted: on this machine";

@@ -17,6 +17,9 @@ bool write_summary(const std::string& file, const record::Summary& summary);
 /// @throws std::exception if the file with the law's parameters is refused
 [[nodiscard]] control::LawOptions law_options(const Options& options, const control::LawRegistry& laws);
 
+/// "local rendering"; and why it is remote where that was not chosen.
+[[nodiscard]] std::string rendering_in_words(const Client::Settings& settings, const Client& client);
+
 [[nodiscard]] std::string_view encryption_in_words(const Client::Settings& settings);
 
 /// What the results of a run make of a program's exit code.

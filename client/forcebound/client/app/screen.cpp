@@ -50,16 +50,23 @@ void Screen::report_recording_fault(const std::string& fault) const {
   say({spdlog::level::err, fault + "; the run goes on"});
 }
 
-void Screen::report_news(const std::string& news) const { say({spdlog::level::info, news}); }
+void Screen::report_news(const std::string& news) {
+  problem_reported_ = false;
+  say({spdlog::level::info, news});
+}
 
-void Screen::report_problem(const std::string& problem) const { say({spdlog::level::warn, problem + "; retrying"}); }
+void Screen::report_problem(const std::string& problem) {
+  problem_reported_ = true;
+  say({spdlog::level::warn, problem + "; retrying"});
+}
 
 void Screen::clear() const {
   if (live_) std::fputs(kClearLine, stderr);
 }
 
 void Screen::warn_of_no_answer(const std::string& server) {
-  if (line_.state() != record::SessionState::connecting || std::exchange(no_answer_reported_, true)) return;
+  if (line_.state() != record::SessionState::connecting || problem_reported_) return;
+  if (std::exchange(no_answer_reported_, true)) return;
   say({spdlog::level::warn, "no answer from " + server + " yet; retrying"});
 }
 

@@ -27,8 +27,8 @@ class Screen {
   void report_recording_fault(const std::string& fault) const;
 
   /// Logs where the server is and what handshakes came to, or why it is not found or lets nobody in.
-  void report_news(const std::string& news) const;
-  void report_problem(const std::string& problem) const;
+  void report_news(const std::string& news);
+  void report_problem(const std::string& problem);
 
   /// Erases the live line and logs the remaining events.
   void end(time::Nanoseconds now);
@@ -42,6 +42,7 @@ class Screen {
 
   bool live_;
   bool no_answer_reported_ = false;
+  bool problem_reported_ = false;  ///< and no news since: why there is no answer is known
   const Options& options_;
   const LiveLine& line_;
   EventQueue& events_;

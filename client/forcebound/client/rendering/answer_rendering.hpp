@@ -55,8 +55,9 @@ class AnswerRendering {
     Vector model_N{};        ///< sum of w_i s_i f_i; no rows: no model counts here
     bool held = false;       ///< some of h is held
     bool fades = true;       ///< some of T would fade if the server were silent
-    double trust = 1;        ///< in the models, by how they foretold the answers: see Foresight
     double deviation_m = 0;  ///< how far the newest answer moved a dragged mass
+    /// In the newest answer's models, by how they foretold the answers: see Foresight. Absent: it has none.
+    std::optional<double> trust{};
   };
 
   /// The server ended that session.

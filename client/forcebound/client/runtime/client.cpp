@@ -35,6 +35,11 @@ constexpr Nanoseconds kHousekeeping = std::chrono::milliseconds{50};
 constexpr int kStuckLooks = 40;  // of housekeeping: 2 s
 constexpr Nanoseconds kBuilding = std::chrono::milliseconds{2};
 
+Client::Settings suited_to(const control::PassivityLaw& law, Client::Settings settings) {
+  settings.renders_locally = settings.renders_locally && law.server_law().empty();
+  return settings;
+}
+
 record::RunInfo run_info(const Client::Settings& settings, const device::HapticDevice& device,
                          const control::PassivityLaw& law, const time::Clock& clock, const std::string& server,
                          std::string_view encryption) {
@@ -101,7 +106,7 @@ struct EndOfLoop {
 struct Client::Parts {
   Parts(const Settings& chosen, device::HapticDevice& its_device, std::unique_ptr<control::PassivityLaw> law,
         std::vector<record::TickSink*> others)
-      : settings(chosen),
+      : settings(suited_to(*law, chosen)),
         device(its_device),
         lookup(net::parse_endpoint(settings.server), resolver_of(settings)),
         link(lookup, clock, net::PeerLink::Found::by_session),

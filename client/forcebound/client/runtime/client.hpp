@@ -42,7 +42,9 @@ class Client {
     bool insecure = false;     ///< not encrypted is accepted to any server
     std::string scene{};       ///< requested; empty: the server's default
     LateForcePolicy policy{};
-    bool renders_locally = true;       ///< the static parts of the scene are handed over and run here
+    /// The static parts of the scene are handed over and run here; not with a law that has a server-side law, through
+    /// which all forces go.
+    bool renders_locally = true;
     std::string scene_cache{};         ///< folder of scenes that were handed over; empty: none are kept
     double force_slew_N_per_s = 0;     ///< largest change of the requested force; 0: no limit
     double torque_slew_N_m_per_s = 0;  ///< likewise of the torque

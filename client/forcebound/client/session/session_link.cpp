@@ -8,12 +8,6 @@
 #include "forcebound/wire/version_mismatch.hpp"
 
 namespace forcebound::client {
-namespace {
-
-constexpr Nanoseconds kByePause = std::chrono::milliseconds{50};
-constexpr int kAnswersWithoutNews = 5;
-
-}  // namespace
 
 SessionLink::SessionLink(Options options, net::DatagramLink& datagrams, const time::Clock& clock, EventReporter& events)
     : options_(std::move(options)),
@@ -97,7 +91,7 @@ bool SessionLink::accept(const wire::EnvironmentForce& force, Arrival& arrival, 
                       .received = force.server_receive_time,
                       .answered = force.server_send_time,
                       .arrived = arrival.at});
-      closing_.wait_anew(now);
+      closing_.on_news(now);
       return true;
     case ForceStream::Verdict::duplicate:
     case ForceStream::Verdict::foreign:
@@ -115,13 +109,13 @@ bool SessionLink::accept(const wire::Bye& bye, Nanoseconds now) noexcept {
     return false;
   }
   const Progress after = forces_.final_progress();
-  if (closing_.begun) {
+  if (closing_.begun()) {
     // No forces come any more, which is no blackout.
     outages_.on_bye(last_reading_, after, OutageDetector::Bye::answers_ours);
     if (after == before) {
-      ++closing_.answers_without_news;
+      closing_.on_answer_without_news(now);
     } else {
-      closing_.wait_anew(now);
+      closing_.on_news(now);
     }
     return false;
   }
@@ -170,18 +164,9 @@ void SessionLink::keep_connected(Nanoseconds now) noexcept {
   if (messages_.ready() && connection_.hello_due(now)) (void)messages_.send(connection_.hello(clock_.now()));
 }
 
-void SessionLink::begin_closing(Nanoseconds now) noexcept {
-  if (!std::exchange(closing_.begun, true)) closing_.wait_anew(now);
-}
-
 bool SessionLink::close(Nanoseconds now) noexcept {
-  // A network that has held a datagram up for so long may hold up the last ones as long.
-  const bool all_came = now - closing_.last_news >= forces_.longest_delay();
-  if (connection_.session() == 0 || (all_came && closing_.answers_without_news >= kAnswersWithoutNews)) return true;
-  if (now >= closing_.next_bye) {
-    closing_.next_bye = now + kByePause;
-    (void)messages_.send(wire::Bye{.session = connection_.session()});
-  }
+  if (connection_.session() == 0 || closing_.has_final_counts(forces_.longest_delay())) return true;
+  if (closing_.bye_due(now)) (void)messages_.send(wire::Bye{.session = connection_.session()});
   return false;
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "forcebound/client/session/clock_offset.hpp"
+#include "forcebound/client/session/closing.hpp"
 #include "forcebound/client/session/connection.hpp"
 #include "forcebound/client/session/event_reporter.hpp"
 #include "forcebound/client/session/force_stream.hpp"
@@ -67,10 +68,9 @@ class SessionLink {
   void keep_connected(Nanoseconds now) noexcept;
 
   /// From now on a Bye answers ours.
-  void begin_closing(Nanoseconds now) noexcept;
+  void begin_closing(Nanoseconds now) noexcept { closing_.begin(now); }
 
-  /// After `begin_closing` and what has arrived: repeats Bye. True once the server's counts have not changed for the
-  /// longest delay of this session.
+  /// After `begin_closing` and what has arrived: repeats Bye. True once the server's counts are final.
   [[nodiscard]] bool close(Nanoseconds now) noexcept;
 
   [[nodiscard]] SessionState state() const noexcept { return connection_.state(); }
@@ -90,18 +90,6 @@ class SessionLink {
   void receive(const wire::Refusal& refusal, Nanoseconds now, Nanoseconds arrival) noexcept;
   void report_refusal(const wire::Refusal& refusal, Nanoseconds now) noexcept;
   void report_follower(control::FollowerState state, Nanoseconds now) noexcept;
-
-  struct Closing {
-    bool begun = false;
-    Nanoseconds last_news{0};  // when a count of the server's changed
-    int answers_without_news = 0;
-    Nanoseconds next_bye{Nanoseconds::min()};
-
-    void wait_anew(Nanoseconds now) noexcept {
-      answers_without_news = 0;
-      last_news = now;
-    }
-  };
 
   Options options_;
   const time::Clock& clock_;

@@ -6,6 +6,7 @@
 
 #include "forcebound/client/session/force_stream.hpp"
 #include "forcebound/text/printable.hpp"
+#include "forcebound/wire/codec.hpp"
 
 namespace forcebound::client {
 namespace {

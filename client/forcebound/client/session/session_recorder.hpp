@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "forcebound/client/rendering/tool.hpp"
 #include "forcebound/client/session/actuation.hpp"
@@ -11,6 +12,7 @@
 #include "forcebound/record/run_info.hpp"
 #include "forcebound/record/session_state.hpp"
 #include "forcebound/record/tick_record.hpp"
+#include "forcebound/wire/messages.hpp"
 
 namespace forcebound::client {
 
@@ -35,7 +37,7 @@ class SessionRecorder {
     std::uint64_t motion_sequence = 0;  ///< sent, 0: none
     const Renderer::Rendered& rendered;
     const Actuation::Command& command;
-    SessionState state = SessionState::connecting;
+    record::SessionState state = record::SessionState::connecting;
     const std::optional<wire::EnvironmentForce>& newest;  ///< of the server's answers
   };
   void record(const Tick& tick) noexcept;

@@ -32,6 +32,13 @@ double chord_bound(std::span<const double> c) noexcept {
   return second / 8;
 }
 
+/// The same on intervals that end at `s`: near 0 it is far less where the first coefficients are 0, as from rest.
+double chord_bound(std::span<const double> c, double s) noexcept {
+  double second = 0;
+  for (std::size_t k = c.size(); k-- > 2;) second = second * s + static_cast<double>(k * (k - 1)) * std::abs(c[k]);
+  return second / 8;
+}
+
 }  // namespace
 
 double value(std::span<const double> c, double s) noexcept {
@@ -77,10 +84,12 @@ double least(std::span<const double> c, double end, double floor) noexcept {
   while (!pending.empty()) {
     const End right = pending.pop();
     const double width = right.s - left.s;
-    const double reach = bound * width * width;
-    const bool monotone = std::abs(right.value - left.value) > 8 * reach;
-    const bool proven_higher = std::min(left.value, right.value) - reach >= best;
-    if (!monotone && !proven_higher && width > kWidthLeast) {
+    const auto proven = [&](double chord_bound_there) {
+      const double reach = chord_bound_there * width * width;
+      const bool monotone = std::abs(right.value - left.value) > 8 * reach;
+      return monotone || std::min(left.value, right.value) - reach >= best;
+    };
+    if (width > kWidthLeast && !proven(bound) && !proven(chord_bound(c, right.s))) {
       const End middle{left.s + 0.5 * width, value(c, left.s + 0.5 * width)};
       best = std::min(best, middle.value);
       pending.push(right);

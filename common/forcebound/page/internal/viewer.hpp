@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "forcebound/page/internal/owner.hpp"
+#include "forcebound/page/subject.hpp"
 
 namespace forcebound::page::internal {
 

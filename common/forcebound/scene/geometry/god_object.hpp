@@ -1,15 +1,18 @@
 #pragma once
 
-#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <span>
-#include <vector>
 
 #include "forcebound/scene/geometry/bvh.hpp"
+#include "forcebound/scene/geometry/facets.hpp"
 #include "forcebound/scene/geometry/shape.hpp"
 
 namespace forcebound::scene {
+
+namespace god_object {
+class Search;
+}  // namespace god_object
 
 /// The god object's position for one client: flat bytes; all zeros is a new session without contact.
 struct Proxy {
@@ -75,51 +78,10 @@ class GodObject {
   /// resets the god object.
   SurfacePoint follow(const Point& goal_m, Proxy& state) const noexcept;
 
-  [[nodiscard]] const Bvh& bvh() const noexcept { return bvh_; }
-  [[nodiscard]] std::size_t memory_bytes() const noexcept {
-    return bvh_.memory_bytes() + facets_.size() * sizeof(Facet) + bvh_.mesh().memory_bytes();
-  }
+  [[nodiscard]] const Bvh& bvh() const noexcept { return facets_.bvh(); }
+  [[nodiscard]] std::size_t memory_bytes() const noexcept { return facets_.memory_bytes(); }
 
  private:
-  struct Plane {
-    Point normal;
-    double offset = 0;  // normal . x of its points
-  };
-
-  /// The plane upright on a triangle through one of its edges, normal outwards.
-  struct Edge {
-    Plane plane;
-    double beyond_m = 0;  // how far past the edge the triangle still holds
-    double below_m = 0;   // a path that leaves over the edge no deeper than this has not met the triangle
-  };
-
-  struct Facet {
-    Plane plane;
-    std::array<Edge, 3> edges;
-  };
-
-  /// The plane of a facet in the way, and the god object's height above it.
-  struct Constraint {
-    Point normal;
-    double height_m;
-    const Facet* facet;
-  };
-
-  struct Obstacle {
-    Constraint constraint;
-    double share = 0;  // of the way to it
-  };
-
-  /// The part of a path that lies over a triangle.
-  struct Passage {
-    double enter = 0;  // shares of the path
-    double leave = 1;
-    double below_m = 0;  // of the edge over which it leaves
-
-    /// False if there is none.
-    [[nodiscard]] bool enter_over(const Facet& facet, const Segment& path) noexcept;
-  };
-
   /// The god object's position, and how far it may still go.
   struct Walk {
     Point at_m;
@@ -136,35 +98,11 @@ class GodObject {
     }
   };
 
-  class Constraints;
-  class Fan;
-  class Search;
-
-  [[nodiscard]] Facet facet_of(std::uint32_t triangle) const;
-  [[nodiscard]] Edge edge_of(std::uint32_t triangle, std::size_t side) const;
   [[nodiscard]] bool approach(Point& proxy, const Point& goal) const noexcept;
   [[nodiscard]] Point settle(Walk walk, const Point& goal, Point& last_normal) const noexcept;
-  [[nodiscard]] Constraint seen_from(const Point& p, const Constraint& plane) const noexcept;
-  [[nodiscard]] std::uint32_t triangle_of(const Facet& facet) const noexcept {
-    return bvh_.order()[static_cast<std::size_t>(&facet - facets_.data())];
-  }
-  [[nodiscard]] std::uint32_t neighbour(const Facet& facet, std::size_t side) const noexcept {
-    return bvh_.mesh().neighbours()[triangle_of(facet)][side];
-  }
-  [[nodiscard]] bool step_around(Walk& walk, const Point& goal, Search& search) const noexcept;
-  [[nodiscard]] static bool is_within(const Facet& facet, const Point& p, double beyond_m) noexcept;
-  [[nodiscard]] bool is_in_the_way(const Facet& facet, const Segment& path, double until,
-                                   Obstacle& found) const noexcept;
-  /// Whether that part of the path lies where the planes of two edges at a sharp corner, moved outwards, reach far.
-  [[nodiscard]] bool is_past_a_corner(const Facet& facet, const Segment& path, const Passage& over) const noexcept;
-  /// Whether the path goes through the triangle, where both sides are felt.
-  [[nodiscard]] bool changes_sides(const Facet& facet, const Segment& path, double until) const noexcept;
+  [[nodiscard]] bool step_around(Walk& walk, const Point& goal, god_object::Search& search) const noexcept;
 
-  Bvh bvh_;
-  std::vector<Facet> facets_;  // in the order of the tree
-  double skin_m_;
-  double clearance_m_;  // kept from the surface, so that the god object's side is known
-  bool two_sided_;
+  Facets facets_;
 };
 
 }  // namespace forcebound::scene

@@ -54,7 +54,7 @@ std::optional<ServerKeys> read_keys(const KeyOptions& keys) {
   if (!keys.any()) return std::nullopt;
   ServerKeys read;
   if (!keys.key.empty()) read.own = security::read_key_pair(keys.key);
-  if (!keys.clients.empty()) read.clients = security::AllowedClients::from_file(keys.clients);
+  if (!keys.clients.empty()) read.clients = security::AllowedClients::from_file(keys.clients, keys.scenes);
   if (!keys.psk.empty()) read.shared = security::read_shared_key(keys.psk);
   return read;
 }

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "forcebound/net/datagram_link.hpp"
 #include "forcebound/server/security/server_keys.hpp"
@@ -18,6 +19,7 @@ struct KeyOptions {
   std::string clients{};  ///< of the clients that are let in
   std::string psk{};      ///< of the key that all share
   bool insecure = false;
+  std::vector<std::string> scenes{};  ///< no option: those that the server has, which `clients` may name; empty: any
 
   [[nodiscard]] bool any() const noexcept { return !key.empty() || !psk.empty(); }
 };

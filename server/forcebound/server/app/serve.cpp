@@ -43,10 +43,12 @@ constexpr int kPriority = 40;
 // Above that: a robot's deadline is hard too.
 constexpr int kRobotPriority = 60;
 
-volatile std::sig_atomic_t interrupts = 0;
-volatile std::sig_atomic_t terminations = 0;
-volatile std::sig_atomic_t reloads = 0;
-volatile std::sig_atomic_t bias_commands = 0;
+// What signals ask for. Any thread may get a signal, a resolver's too.
+std::atomic<bool> interrupted{false};
+std::atomic<int> terminations{0};
+std::atomic<bool> reload_asked{false};
+std::atomic<bool> bias_asked{false};
+static_assert(std::atomic<int>::is_always_lock_free && std::atomic<bool>::is_always_lock_free);
 
 void install_signal_handlers(bool reloadable, bool drives_robot) {
   const auto handle = [](int signal, void (*handler)(int)) {
@@ -54,7 +56,7 @@ void install_signal_handlers(bool reloadable, bool drives_robot) {
     action.sa_handler = handler;
     sigaction(signal, &action, nullptr);
   };
-  handle(SIGINT, [](int) { interrupts = 1; });
+  handle(SIGINT, [](int) { interrupted = true; });
   // A second one ends at once.
   constexpr auto kTerminate = [](int) { terminations = terminations == 0 ? 1 : 2; };
   handle(SIGTERM, kTerminate);
@@ -62,10 +64,10 @@ void install_signal_handlers(bool reloadable, bool drives_robot) {
   if (drives_robot) {
     handle(SIGHUP, kTerminate);
     handle(SIGQUIT, kTerminate);
-    handle(SIGUSR1, [](int) { bias_commands = 1; });
+    handle(SIGUSR1, [](int) { bias_asked = true; });
   }
   // Otherwise it means that the terminal is gone.
-  if (reloadable) handle(SIGHUP, [](int) { reloads = 1; });
+  if (reloadable) handle(SIGHUP, [](int) { reload_asked = true; });
   // A full disk or a closed pipe gives a write error, not a signal that ends the process.
   std::signal(SIGXFSZ, SIG_IGN);
   std::signal(SIGPIPE, SIG_IGN);
@@ -112,7 +114,7 @@ void reload(ServerWorkers& server, const ProgramOptions& options) {
   }
   std::optional<security::AllowedClients> clients;
   try {
-    clients = security::AllowedClients::from_file(options.keys.clients);
+    clients = security::AllowedClients::from_file(options.keys.clients, options.keys.scenes);
   } catch (const std::exception& error) {
     spdlog::error("{}; the clients are those of before", error.what());
     return;
@@ -151,7 +153,7 @@ class Service {
       if (beside_.fleet != nullptr) beside_.fleet->turn(server_.sessions());
       if (beside_.robot != nullptr) attend(*beside_.robot);
       if (server_.alive(clock_.now())) manager_.report_alive(clock_.now());
-      if (reloads != 0) reload_now();
+      if (reload_asked) reload_now();
       if (reloading_ && server_.settled()) report_reloaded();
       if (options_.verbose && clock_.now() >= next_report_) {
         report(server_);
@@ -163,7 +165,7 @@ class Service {
 
  private:
   bool over() {
-    if (interrupts != 0 || terminations > 1) return true;
+    if (interrupted || terminations > 1) return true;
     if (beside_.robot != nullptr && beside_.robot->is_lost()) return leader_told();
     if (terminations == 0 && (beside_.fleet == nullptr || !beside_.fleet->over())) return false;
     if (options_.drain == Nanoseconds{0} || server_.sessions() == 0) return true;
@@ -194,13 +196,12 @@ class Service {
   }
 
   static void attend(LedRobot& robot) {
-    if (bias_commands != 0) robot.learn_bias();
-    bias_commands = 0;
+    if (bias_asked.exchange(false)) robot.learn_bias();
     robot.log_changes();
   }
 
   void reload_now() {
-    reloads = 0;
+    reload_asked = false;
     ServiceManager::report_reloading();
     reload(server_, options_);
     reloading_ = true;
@@ -261,6 +262,13 @@ Offer make_offer(const ProgramOptions& options, const time::Clock& clock) {
     }
   }
   return offer;
+}
+
+/// All that a client can be allowed.
+std::vector<std::string> names_in(const Offer& offer) {
+  std::vector<std::string> names = offer.environments.scenes().all_names();
+  if (offer.robot) names.push_back(offer.name);
+  return names;
 }
 
 std::unique_ptr<LogObserver> make_observer(const ProgramOptions& options, const Offer& offer,
@@ -332,12 +340,13 @@ int serve(ProgramOptions options) {
   const std::size_t workers = workers_for(options, handed_over.has_value());
   const net::Address address = handed_over ? handed_over->local_address() : net::resolve(options.listen);
   expect_encryption(options.keys, address);
-  std::optional<ServerKeys> keys = read_keys(options.keys);
-  const std::string encryption = encryption_name(keys);
-  const std::string encryption_words = encryption_in_words(options.keys, keys);
   const time::SteadyClock clock;
   Offer offer = make_offer(options, clock);
   options.server.scene = offer.name;
+  options.keys.scenes = names_in(offer);
+  std::optional<ServerKeys> keys = read_keys(options.keys);
+  const std::string encryption = encryption_name(keys);
+  const std::string encryption_words = encryption_in_words(options.keys, keys);
 
   install_signal_handlers(!options.keys.clients.empty() || ServiceManager::started_this(), offer.robot != nullptr);
   net::UdpLink link = handed_over ? std::move(*handed_over) : listen_at(address);

@@ -4,26 +4,22 @@
 #include <stdexcept>
 #include <string>
 
+#include "forcebound/program/without_robots.hpp"
 #include "forcebound/server/app/led_robot.hpp"
 
 namespace forcebound::server {
-namespace {
-
-constexpr const char* kRefusal = "this program was built without robots; -DFORCEBOUND_ROBOT=ON builds it with them";
-
-}  // namespace
 
 void add_robot_options(CLI::App& app, StartRobot& /*start*/, const control::LawRegistry& /*laws*/) {
   for (const char* const name : {"--follower", "--task", "--architecture", "--follower-law", "--motion-scale",
                                  "--force-scale", "--approach-speed"}) {
     // The help shows none of them, and CLI11 does not name what it does not show.
     const auto refuse = [name](const std::string& /*asked*/) -> std::string {
-      throw std::invalid_argument(std::string(name) + ": " + kRefusal);
+      throw std::invalid_argument(std::string(name) + ": " + program::kWithoutRobots);
     };
     app.add_option(name)->check(refuse)->group("");
   }
 }
 
-std::string robot_help() { return std::string("Robots (--follower): ") + kRefusal + ".\n"; }
+std::string robot_help() { return std::string("Robots (--follower): ") + program::kWithoutRobots + ".\n"; }
 
 }  // namespace forcebound::server

@@ -224,8 +224,8 @@ std::string total_text(const scene::Scene& scene, const ExplainFacts& facts) {
   const auto measured = facts.calibration ? std::optional(facts.calibration->whole) : std::nullopt;
   const double cost_ns = measured ? measured->p99_ns : predicted_ns;
   std::string text = "total:        " + cost_text(predicted_ns, measured) +
-                     " of the 1 ms of a tick: " + rounded(cost_ns / kTick_ns * 100) + " % for each client" +
-                     clients_text(scene.facts(), cost_ns) + "\n";
+                     " of the 1 ms of a tick: " + (measured ? "by the p99 " : "") + rounded(cost_ns / kTick_ns * 100) +
+                     " % for each client" + clients_text(scene.facts(), cost_ns) + "\n";
   if (facts.answer_bytes > 0) {
     text += kIndent + std::to_string(facts.answer_bytes) + " bytes an answer, " +
             rounded(static_cast<double>(facts.answer_bytes)) + " kB/s to each client at 1 kHz\n";
@@ -275,7 +275,7 @@ std::string explain(const scene::Scene& scene, const ExplainFacts& facts) {
     text += explain_part("field", field, "", rendering, facts.device, measured());
   }
   for (const scene::SceneDynamicModel& dynamic_model : scene.dynamic_models()) {
-    const scene::PartRendering& rendering = scene.rendering_of_part(part);
+    const scene::PartRendering rendering = rendering_of(part);
     text += explain_dynamic_model(dynamic_model, rendering, facts.device, measured());
   }
   if (part == 0) text += "no objects: every force is zero\n";

@@ -1,9 +1,9 @@
 #include "forcebound/server/environment/tissue_parser.hpp"
 
-#include "forcebound/server/dynamics/tissue/set_up.hpp"
-#include "forcebound/server/dynamics/tissue/tetrahedral_block.hpp"
-#include "forcebound/server/dynamics/tissue/tissue_dynamic_model.hpp"
 #include "forcebound/text/numbers.hpp"
+#include "forcebound/tissue/set_up.hpp"
+#include "forcebound/tissue/tetrahedral_block.hpp"
+#include "forcebound/tissue/tissue_dynamic_model.hpp"
 
 namespace forcebound::server {
 namespace {
@@ -16,6 +16,10 @@ using config::positive_number;
 using config::TableDescription;
 using config::TextParameter;
 using config::Values;
+using tissue::CorotationalOptions;
+using tissue::ProbeOptions;
+using tissue::TetrahedralMesh;
+using tissue::TetrahedralSoup;
 
 /// Static, because the declarations refer to these texts.
 struct TissueTexts {
@@ -69,7 +73,7 @@ TableDescription tissue_table() {
                        .meaning = "at once; with `large_motion` nothing limits them",
                        .preset = preset.contacts_max,
                        .least = 1,
-                       .most = kContactsMax,
+                       .most = tissue::kContactsMax,
                        .whole = true},
        config::FlagParameter{.key = "large_motion",
                              .meaning = "whether it may bend far, under a point or a sphere: so much dearer that a "
@@ -99,13 +103,13 @@ TableDescription tissue_block_table() {
 TetrahedralMesh make_block(const Values& values) {
   const scene::Point size_m = values.point("size_m");
   const scene::Point cells = values.point("cells");
-  check_tetrahedra(6 * cells.prod());
+  tissue::check_tetrahedra(6 * cells.prod());
   // A block is rotated about its centre.
   const scene::MeshPlacement turned{.offset_m = values.point("center_m"),
                                     .rotation = scene::rotation_from_degrees(values.point("rotation_deg"))};
   const bool turns = turned.turns();
   return TetrahedralMesh(
-      tetrahedral_block(
+      tissue::tetrahedral_block(
           {.cells = {static_cast<std::size_t>(cells.x()), static_cast<std::size_t>(cells.y()),
                      static_cast<std::size_t>(cells.z())},
            .from_m = turns ? scene::Point(-0.5 * size_m) : scene::Point(values.point("center_m") - 0.5 * size_m),
@@ -123,8 +127,8 @@ TetrahedralMesh parse_mesh_of_tissue(CheckedTable& tissue, std::string& text) {
   const Values values = completed(keys, given);
   return shape.built_at(shape.at(is_file ? "file" : "size_m"), [&] {
     if (!is_file) return make_block(values);
-    const TetrahedralSoup soup = load_gmsh(shape.path_at("file", values.text("file")));
-    check_tetrahedra(static_cast<double>(soup.tetrahedra.size()));
+    const TetrahedralSoup soup = tissue::load_gmsh(shape.path_at("file", values.text("file")));
+    tissue::check_tetrahedra(static_cast<double>(soup.tetrahedra.size()));
     return TetrahedralMesh(soup, scene::placement_of(values));
   });
 }
@@ -134,10 +138,10 @@ std::vector<int> parse_held(CheckedTable& tissue, const TetrahedralMesh& mesh) {
   CheckedTable held = tissue.table("held");
   if (held.node().find("center_m") != nullptr) {
     const Values box = held.all(scene::box_shape().parameters);
-    return nodes_in_box(mesh, box.point("center_m"), box.point("size_m"));
+    return tissue::nodes_in_box(mesh, box.point("center_m"), box.point("size_m"));
   }
   const Values plane = held.all(scene::half_space_shape().parameters);
-  return nodes_below(mesh, plane.point("through_m"), plane.point("normal"));
+  return tissue::nodes_below(mesh, plane.point("through_m"), plane.point("normal"));
 }
 
 /// @throws config::ValueError if, under large motion, the tie that replaces a point's contact is too stiff
@@ -160,10 +164,10 @@ scene::SceneDynamicModel parse_tissue(CheckedTable& table, const std::string& na
   const Values values = completed(keys, given);
   std::string shape_text;
   TetrahedralMesh mesh = parse_mesh_of_tissue(table, shape_text);
-  shape_text += pieces_in_words(mesh);
+  shape_text += tissue::pieces_in_words(mesh);
   std::vector<int> held = parse_held(table, mesh);
   return table.built_at(table.node(), [&] {
-    TissueDescription tissue{
+    tissue::TissueDescription tissue{
         .mesh = std::move(mesh),
         .material = {.young_Pa = values.number("young_Pa"), .poisson = values.number("poisson")},
         .held_nodes = std::move(held),
@@ -172,7 +176,7 @@ scene::SceneDynamicModel parse_tissue(CheckedTable& table, const std::string& na
         .skin_Pa_per_m = values.has("contact_stiffness_Pa_per_m") ? values.number("contact_stiffness_Pa_per_m") : 0};
     return scene::SceneDynamicModel{.name = name,
                                     .text = "tissue, " + shape_text + ", " + config::to_text(keys, given),
-                                    .dynamic_model = std::make_unique<TissueDynamicModel>(std::move(tissue))};
+                                    .dynamic_model = std::make_unique<tissue::TissueDynamicModel>(std::move(tissue))};
   });
 }
 

@@ -1,13 +1,13 @@
 #include "forcebound/server/robot/robot_description.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <sstream>
 #include <stdexcept>
 
-#include "forcebound/local_model/eigenvalues.hpp"
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/text/printable.hpp"
 
@@ -131,8 +131,9 @@ std::string refusal_of(const RobotDescription& robot) {
     if (!(limits.lowest[i] < limits.highest[i])) return joint + ": its lowest angle must be below its highest";
     const double rest = robot.chain.rest[i];
     if (rest < limits.lowest[i] || rest > limits.highest[i]) return joint + ": its rest must be within its limits";
-    const Eigen::Vector3d inertias = local_model::eigenvalues(robot.chain.links[static_cast<std::size_t>(i)].inertia);
-    if (inertias[0] < 0) return joint + ": its link's inertia must be positive semidefinite";
+    const Eigen::Matrix3d& inertia = robot.chain.links[static_cast<std::size_t>(i)].inertia;
+    if (inertia.selfadjointView<Eigen::Lower>().eigenvalues().minCoeff() < 0)
+      return joint + ": its link's inertia must be positive semidefinite";
   }
   const SerialChain chain(robot.chain);
   const Eigen::LLT<Matrix> mass(chain.mass_matrix(robot.chain.rest));

@@ -40,7 +40,8 @@ const RobotKind& find_robot(std::string_view name) {
   const auto& all = robot_kinds();
   const auto found = std::ranges::find(all, name, &RobotKind::name);
   if (found != all.end()) return *found;
-  throw std::invalid_argument("no robot '" + text::printable(name) + "'" + text::suggestion(name, robot_names()));
+  throw std::invalid_argument("no robot '" + text::printable(name) + "'" + text::suggestion(name, robot_names()) +
+                              "; or driver:FILE.so, or the path of a .toml file");
 }
 
 }  // namespace forcebound::server

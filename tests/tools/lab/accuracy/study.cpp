@@ -224,19 +224,36 @@ double change_per_s(const Forces& forces) {
   return size_N > 0 ? rms_difference(after, before) / size_N * 1e3 : 0;
 }
 
-/// Least squares of a line through 0: the extrapolation's error over the least age, of what worked.
+/// Of a setting over its round trips: the least age and the extrapolation's error.
+struct Missed {
+  double age_s = 0;
+  double error = 0;
+};
+
+Missed mean_missed(const StudiedSetting& setting) {
+  Missed mean;
+  for (const StudiedSetting::Behind& behind : setting.behind) {
+    mean.age_s += time::to_seconds(behind.error.least_age) / static_cast<double>(setting.behind.size());
+    mean.error += behind.error.extrapolation.alone / static_cast<double>(setting.behind.size());
+  }
+  return mean;
+}
+
+/// Least squares of lines of one slope, one for each setting that worked: what is missed at any age, as of a body that
+/// is touched, tells nothing about time. Of a single round trip through 0.
 double extrapolation_per_s(const std::vector<StudiedSetting>& settings) {
   double by_age = 0;
   double age_squared = 0;
   for (const StudiedSetting& setting : settings) {
     if (!setting.trouble.empty()) continue;
+    const Missed from = setting.behind.size() > 1 ? mean_missed(setting) : Missed{};
     for (const StudiedSetting::Behind& behind : setting.behind) {
-      const double age_s = time::to_seconds(behind.error.least_age);
-      by_age += behind.error.extrapolation.alone * age_s;
+      const double age_s = time::to_seconds(behind.error.least_age) - from.age_s;
+      by_age += (behind.error.extrapolation.alone - from.error) * age_s;
       age_squared += age_s * age_s;
     }
   }
-  return age_squared > 0 ? by_age / age_squared : 0;
+  return age_squared > 0 ? std::max(0.0, by_age / age_squared) : 0;
 }
 
 /// Results without a network, one setting for each scene.

@@ -65,7 +65,7 @@ struct StudyResult {
   bool same_scene = false;       ///< the key is of the session: the scene's results are the same for all
   double change_per_s = 0;       ///< RMS of the reference's rate of change over its own, along the hand's way
   /// By how much the error of what the client extrapolates grows with its age, from the runs behind the networks; 0:
-  /// all was held, or nothing was late.
+  /// all was held, or it does not grow.
   double extrapolation_per_s = 0;
   double reference_uncertainty = 0;  ///< at the same states
   double velocity_uncertainty = 0;   ///< at the same states, of what contacts change of velocities

@@ -162,7 +162,9 @@ std::string tuning_table(const Json& all) {
 
 std::string to_text(const Json& all) {
   // Comparisons from before there was local rendering do not say.
-  std::string text = all.value("rendering", "remote") == "local" ? "Rendered locally\n\nNetworks\n" : "Networks\n";
+  std::string text = all.value("rendering", "remote") == "local"
+                         ? "Rendered locally, but for laws with a server-side law\n\nNetworks\n"
+                         : "Networks\n";
   for (std::size_t i = 0; i < all.at("networks").size(); ++i) {
     text += "  (" + std::to_string(i + 1) + ") " + all.at("networks").at(i).get<std::string>() + "\n";
   }

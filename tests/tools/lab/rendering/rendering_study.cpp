@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "forcebound/text/names.hpp"
+#include "forcebound/text/numbers.hpp"
 #include "tests/tools/lab/rendering/rendering_tasks.hpp"
 #include "tests/tools/lab/rendering/true_force_meter.hpp"
 
@@ -34,6 +35,8 @@ double bytes_sent(sim::ClosedLoop& loop) {
   return static_cast<double>(up + down);
 }
 
+double error_of(const WorstRendering& worst) { return worst.row->local.at(worst.seed - 1).error; }
+
 }  // namespace
 
 std::vector<RenderingCondition> rendering_conditions() {
@@ -54,7 +57,8 @@ std::vector<RenderingCondition> rendering_conditions() {
 }
 
 RenderingFigures play_rendering(const RenderingTask& task, const RenderingCondition& condition,
-                                const RenderingStudySettings& study, bool local, std::uint64_t seed) {
+                                const RenderingStudySettings& study, bool local, std::uint64_t seed,
+                                record::TickSink* course) {
   TrueForceMeter meter(task.scene, static_cast<std::uint32_t>(task.device.facts.translations()), task.counted_from_s);
   sim::ClosedLoop::Settings settings{.device = task.device,
                                      .hand = {},
@@ -67,7 +71,9 @@ RenderingFigures play_rendering(const RenderingTask& task, const RenderingCondit
                                      .renders_locally = local};
   if (local) settings.send_rate = study.send_rate;
   settings.network.seed = seed;
-  sim::ClosedLoop loop(std::move(settings), {&meter});
+  std::vector<record::TickSink*> sinks{&meter};
+  if (course != nullptr) sinks.push_back(course);
+  sim::ClosedLoop loop(std::move(settings), sinks);
   meter.place_of = [&loop] { return loop.device().truth().position; };
   const Nanoseconds starting = study.run / kStartingPart;
   const Nanoseconds steady = study.run / kSteadyPart;
@@ -85,18 +91,23 @@ RenderingFigures play_rendering(const RenderingTask& task, const RenderingCondit
   return figures;
 }
 
-std::vector<RenderingRow> study_rendering(const RenderingStudySettings& settings,
-                                          const std::function<void(double)>& progress) {
+std::vector<RenderingTask> rendering_tasks_with(const std::string& word) {
   std::vector<RenderingTask> tasks = rendering_tasks();
   std::vector<std::string> names;
   names.reserve(tasks.size());
   for (const RenderingTask& task : tasks) names.push_back("'" + task.name + "'");
   std::erase_if(tasks, [&](const RenderingTask& task) {
-    return task.name.find(settings.only) == std::string::npos && task.group.find(settings.only) == std::string::npos;
+    return task.name.find(word) == std::string::npos && task.group.find(word) == std::string::npos;
   });
   if (tasks.empty())
-    throw std::invalid_argument("--only: no scene's name or class contains '" + settings.only + "': there are " +
+    throw std::invalid_argument("--only: no scene's name or class contains '" + word + "': there are " +
                                 text::join(names));
+  return tasks;
+}
+
+std::vector<RenderingRow> study_rendering(const std::vector<RenderingTask>& tasks,
+                                          const RenderingStudySettings& settings,
+                                          const std::function<void(double)>& progress) {
   const std::vector<RenderingCondition> conditions = rendering_conditions();
   const auto runs = [&](const RenderingTask& task, const RenderingCondition& condition, bool local) {
     std::vector<RenderingFigures> all;
@@ -122,6 +133,44 @@ std::vector<RenderingRow> study_rendering(const RenderingStudySettings& settings
     }
   }
   return rows;
+}
+
+std::vector<WorstRendering> worst_renderings(const std::vector<RenderingRow>& rows) {
+  std::vector<WorstRendering> worst;
+  for (const RenderingRow& row : rows) {
+    for (std::uint64_t seed = 1; seed <= row.local.size(); ++seed) {
+      const WorstRendering run{.row = &row, .seed = seed};
+      if (worst.empty() || worst.back().row->group != row.group) {
+        worst.push_back(run);
+      } else if (error_of(run) > error_of(worst.back())) {
+        worst.back() = run;
+      }
+    }
+  }
+  return worst;
+}
+
+std::string course_picture(const std::string& group) { return results::LawsFigure::picture_name("course " + group); }
+
+results::LawsFigure rendering_course(const std::vector<RenderingTask>& tasks, const WorstRendering& worst,
+                                     const RenderingStudySettings& settings) {
+  const RenderingRow& row = *worst.row;
+  const RenderingTask& task = *std::ranges::find(tasks, row.task, &RenderingTask::name);
+  const std::vector<RenderingCondition> conditions = rendering_conditions();
+  const RenderingCondition& condition = *std::ranges::find(conditions, row.condition, &RenderingCondition::name);
+  const auto with_error = [&](const char* rendering, const std::vector<RenderingFigures>& runs) {
+    return std::string(rendering) + ": E_dev " + text::fixed(runs.at(worst.seed - 1).error, 3);
+  };
+  results::LawsFigure figure("The worst of '" + row.group + "': " + row.task + ", " + row.condition,
+                             "law " + settings.law + ", seed " + std::to_string(worst.seed) + "; " +
+                                 with_error("without a network", row.without_network));
+  const auto play = [&](const RenderingCondition& behind, bool local, record::TickSink& course) {
+    (void)play_rendering(task, behind, settings, local, worst.seed, &course);
+  };
+  play(conditions.front(), false, figure.add_reference(settings.law));
+  play(condition, false, figure.add_run(settings.law, with_error("remote rendering", row.remote)));
+  play(condition, true, figure.add_run(settings.law, with_error("local rendering", row.local)));
+  return figure;
 }
 
 }  // namespace forcebound::lab

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "forcebound/results/laws_figure.hpp"
 #include "tests/tools/lab/rendering/rendering_task.hpp"
 #include "tests/tools/lab/rendering/true_force_meter.hpp"
 #include "tests/tools/lab/trials/task.hpp"
@@ -40,16 +41,39 @@ struct RenderingRow {
 struct RenderingStudySettings {
   std::string law = "fba-exact";
   std::uint64_t seeds = 3;
-  std::string only{};            ///< tasks whose name or group has it; empty: all
   client::SendRate send_rate{};  ///< of motions, where rendering is local
   time::Nanoseconds run = std::chrono::seconds{6};
 };
 
-[[nodiscard]] RenderingFigures play_rendering(const RenderingTask& task, const RenderingCondition& condition,
-                                              const RenderingStudySettings& settings, bool local, std::uint64_t seed);
+/// @param course sees every tick as well, unless it is null
+RenderingFigures play_rendering(const RenderingTask& task, const RenderingCondition& condition,
+                                const RenderingStudySettings& settings, bool local, std::uint64_t seed,
+                                record::TickSink* course = nullptr);
 
-/// @throws std::invalid_argument with the names that there are, if none has the word
-[[nodiscard]] std::vector<RenderingRow> study_rendering(const RenderingStudySettings& settings,
+/// The tasks whose name or class has the word; all, if it is empty.
+/// @throws std::invalid_argument with the names that there are, if none has it
+[[nodiscard]] std::vector<RenderingTask> rendering_tasks_with(const std::string& word);
+
+[[nodiscard]] std::vector<RenderingRow> study_rendering(const std::vector<RenderingTask>& tasks,
+                                                        const RenderingStudySettings& settings,
                                                         const std::function<void(double)>& progress);
+
+/// Of all runs of a class of scenes, the one with the largest E_dev of local rendering.
+struct WorstRendering {
+  const RenderingRow* row;
+  std::uint64_t seed;
+};
+
+/// One for each class, in the order of the rows, which must outlive them.
+[[nodiscard]] std::vector<WorstRendering> worst_renderings(const std::vector<RenderingRow>& rows);
+
+/// The file of the picture of a class: "course-body-pushed.png".
+[[nodiscard]] std::string course_picture(const std::string& group);
+
+/// What was felt over time in such a run, remote beside local and without a network behind both (laws.gnuplot): three
+/// runs.
+/// @param tasks with the row's
+[[nodiscard]] results::LawsFigure rendering_course(const std::vector<RenderingTask>& tasks, const WorstRendering& worst,
+                                                   const RenderingStudySettings& settings);
 
 }  // namespace forcebound::lab

@@ -16,6 +16,7 @@
 #include "forcebound/text/numbers.hpp"
 #include "tests/tools/lab/accuracy/harmonic_hand.hpp"
 #include "tests/tools/lab/rendering/body_tasks.hpp"
+#include "tests/tools/sim/dragged_puck.hpp"
 #include "tests/tools/sim/firm_device.hpp"
 
 namespace forcebound::lab {
@@ -164,32 +165,13 @@ contact_stiffness_N_per_m = 2000
                              "scene.toml");
 }
 
-/// A puck of 0.1 kg that the device drags, weightless. @param more geoms about it, which stand still
-std::shared_ptr<const scene::Scene> dragged_puck(const std::string& more = "") {
+std::shared_ptr<const scene::Scene> puck(bool stop) {
   return server::parse_scene(R"(
 [scene]
 name = 'puck'
 description = ''
 degrees_of_freedom = 3
-[[body]]
-name = 'puck'
-probes = ['puck']
-stiffness_N_per_m = 600
-damping_N_s_per_m = 4
-mjcf_text = '''
-<mujoco>
-  <option timestep="0.001" gravity="0 0 0"/>
-  <worldbody>)" + more + R"(
-    <body name="puck">
-      <joint type="slide" axis="1 0 0"/>
-      <joint type="slide" axis="0 1 0"/>
-      <joint type="slide" axis="0 0 1"/>
-      <geom type="sphere" size="0.02" mass="0.1" solref="0.004 1"/>
-    </body>
-  </worldbody>
-</mujoco>
-'''
-)",
+)" + sim::dragged_puck(stop),
                              "scene.toml");
 }
 
@@ -237,13 +219,15 @@ void add_what_moves(FirmTasks& tasks) {
   tasks.add("tissue", "pad, pressed at 3 Hz", soft_pad(), press(Point(0.004, 0.003, 0)), kGoalOfWhatMoves);
   tasks.add("tissue", "pad", soft_pad(), slide(Point(0.004, 0.003, 0)), kGoalOfWhatMoves);
   constexpr double kBall_m = 0.008;
-  tasks.add("tissue", "pad, ball at 0.06 m/s", soft_pad("probe_radius_m = " + text::to_text(kBall_m) + "\n"),
-            slide(Point(0.004, 0.003, kBall_m), 0.06), kGoalOfWhatMoves);
+  for (const double speed_m_per_s : {0.06, 0.1}) {
+    tasks.add("tissue", "pad, ball at " + text::to_text(speed_m_per_s) + " m/s",
+              soft_pad("probe_radius_m = " + text::to_text(kBall_m) + "\n"),
+              slide(Point(0.004, 0.003, kBall_m), speed_m_per_s), kGoalOfWhatMoves);
+  }
   if (server::has_bodies()) {
-    tasks.add("body by hand only", "free puck", dragged_puck(), press(Point::Zero()), kGoalOfWhatMoves);
-    tasks.add("body against a stop", "puck against a stop",
-              dragged_puck(R"(<geom type="box" pos="0 0 -0.07" size="0.2 0.2 0.05" solref="0.004 1"/>)"),
-              press(Point::Zero()), {.stiffness = 0.9, .error = kGoalOfWhatMoves.error});
+    tasks.add("body by hand only", "free puck", puck(false), press(Point::Zero()), kGoalOfWhatMoves);
+    tasks.add("body against a stop", "puck against a stop", puck(true), press(Point::Zero()),
+              {.stiffness = 0.9, .error = kGoalOfWhatMoves.error});
     std::ranges::move(body_tasks(), std::back_inserter(tasks.all));
   }
 }

@@ -123,6 +123,9 @@ std::vector<PlayedTrial> play_trials(const TrialsSettings& settings, results::La
     PlayedTrial trial{.law = played.law, .rendering = played.rendering};
     sim::ClosedLoop::Settings run = settings_of(settings, played, scene, network);
     trial.refused = laws.refusal(played.law, run.device.facts);
+    if (trial.refused.empty() && run.renders_locally && laws.find(played.law).make_server_side) {
+      trial.refused = "local rendering, as all forces go through its server-side law";
+    }
     if (!trial.refused.empty()) {
       trials.push_back(std::move(trial));
       continue;

@@ -1,5 +1,6 @@
 #include "forcebound/client/app/options.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <array>
@@ -18,6 +19,18 @@ TEST(ClientOptions, RenderLocallyUnlessRemoteIsSaid) {
   EXPECT_TRUE(parse_options(static_cast<int>(unsaid.size()), unsaid.data()).client.renders_locally);
   const std::array arguments{"forcebound-client", "--server", "127.0.0.1:47800", "--rendering", "remote"};
   EXPECT_FALSE(parse_options(static_cast<int>(arguments.size()), arguments.data()).client.renders_locally);
+}
+
+TEST(ClientOptions, RefuseLocalRenderingWithALawThatHasAServerSideLaw) {
+  std::array words{"forcebound-client", "--server", "127.0.0.1:47800", "--law", "tdpa-er", "--rendering", "local"};
+  const auto parsed = [&](std::size_t count) { return parse_options(static_cast<int>(count), words.data()); };
+  EXPECT_THAT([&] { (void)parsed(words.size()); },
+              testing::ThrowsMessage<std::invalid_argument>(
+                  "--rendering local: all forces go through the server-side law of 'tdpa-er'; accepted are --rendering "
+                  "remote, or a law other than pspm, tdpa-2port, tdpa-er, tla, wave"));
+  EXPECT_NO_THROW((void)parsed(words.size() - 2)) << "it is remote then";
+  words.back() = "remote";
+  EXPECT_FALSE(parsed(words.size()).client.renders_locally);
 }
 
 Options with_rate(const char* rate_Hz) {

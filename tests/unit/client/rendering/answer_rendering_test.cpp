@@ -94,6 +94,7 @@ TEST_F(RenderedAnswer, HoldsAForceThatHasNoModelAsItIs) {
       EXPECT_EQ(at(-0.001 * i), force_N);
       EXPECT_EQ(rendered.model_N.rows(), 0);
       EXPECT_EQ(rendered.held, force_N != 0);
+      EXPECT_EQ(rendered.trust, std::nullopt) << "there is nothing to trust";
     }
   }
 }

@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 
 namespace forcebound::device::polynomial {
@@ -37,6 +40,30 @@ TEST(Polynomial, LeastRespectsTheEndAndTheFloor) {
   const std::array<double, 3> c = {0.09, -0.6, 1};
   EXPECT_NEAR(least(c, 0.2, 1e9), 0.01, 1e-16);
   EXPECT_EQ(least(c, 1, -5), -5);
+}
+
+TEST(Polynomial, LeastIsFoundSoonWhereAMotionBeginsAtRest) {
+  // As the energy of a device at rest whose hand begins to move: from s^5 on, and so hardly above 0 for long.
+  std::array<double, 56> c{};
+  for (std::size_t k = 5; k < c.size(); ++k) c[k] = 1e-12 * std::pow(0.6, static_cast<double>(k));
+  const auto took = [](auto work) {
+    auto shortest = std::chrono::nanoseconds::max();
+    for (int trial = 0; trial < 5; ++trial) {
+      const auto begin = std::chrono::steady_clock::now();
+      work();
+      shortest = std::min<std::chrono::nanoseconds>(shortest, std::chrono::steady_clock::now() - begin);
+    }
+    return shortest;
+  };
+  double found = -1;
+  const auto search = took([&] { found = least(c, 1, 0); });
+  double sum = 0;
+  const auto values = took([&] {
+    for (int i = 0; i < 100'000; ++i) sum += value(c, 1e-5 * i);
+  });
+  EXPECT_EQ(found, 0);
+  EXPECT_GT(sum, 0);
+  EXPECT_LT(search, values) << "a few dozen values, not millions";
 }
 
 TEST(Polynomial, NotFiniteCoefficientsEndTheSearchAtOnce) {

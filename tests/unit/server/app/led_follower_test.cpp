@@ -158,7 +158,8 @@ TEST(RobotKinds, AreRefusedByNameWithTheNearest) {
     (void)find_robot("reach-6");
     FAIL();
   } catch (const std::invalid_argument& error) {
-    EXPECT_THAT(error.what(), AllOf(HasSubstr("'reach-6'"), HasSubstr("did you mean 'reach-7'")));
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("'reach-6'"), HasSubstr("did you mean 'reach-7'"),
+                                    HasSubstr("driver:FILE.so, or the path of a .toml file")));
   }
 }
 

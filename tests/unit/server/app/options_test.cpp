@@ -114,6 +114,9 @@ TEST(ServerOptionsOnKeys, ReadTheListOfClients) {
   ASSERT_TRUE(read && read->clients);
   EXPECT_NE(read->clients->find(security::public_key(7)), nullptr);
   EXPECT_FALSE(read->shared.has_value());
+  text::write_file(clients, text::read_file(clients) + "scenes = [\"wal\"]\n");
+  EXPECT_THAT([&] { (void)read_keys({.key = key_file, .clients = clients, .scenes = {"wall"}}); },
+              ThrowsMessage<config::ConfigError>(AllOf(HasSubstr(clients + ":4: "), HasSubstr("no scene 'wal'"))));
 }
 
 TEST(ServerOptionsOnKeys, AreFilesWhoseRefusalTellsNoKey) {

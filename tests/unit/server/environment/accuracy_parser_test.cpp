@@ -61,7 +61,7 @@ TEST(AutoScene, TakesTheCostOfEachLevelAsMeasuredOrElsePredicted) {
 
 TEST(AutoScene, KnowsWhatAClientThatRendersLocallyIsLeftWith) {
   EXPECT_EQ(test::auto_wall()->accuracy()->change_locally_per_s, 0) << "the wall runs there";
-  const auto pad_with = [](const std::string& key) {
+  const auto pad_with = [](const std::string& key, const std::string& more = "large_motion = true\n") {
     return parse_scene(
         "[scene]\nname = 'p'\ndescription = ''\ndegrees_of_freedom = 3\naccuracy = 'auto'\n"
         "[accuracy]\nkey = 'tissue.pad.young_Pa'\nchange_per_s = 20\n" +
@@ -69,9 +69,11 @@ TEST(AutoScene, KnowsWhatAClientThatRendersLocallyIsLeftWith) {
             "levels = [{ value = 1e4, model_error = 0.1 }, { value = 2e4, model_error = 0.01 }]\n"
             "[[tissue]]\nname = 'pad'\nyoung_Pa = 1e4\npoisson = 0.3\n"
             "shape = { kind = 'block', center_m = [0, 0, -0.01], size_m = [0.04, 0.04, 0.02], cells = [2, 2, 1] }\n"
-            "held = { through_m = [0, 0, -0.0199], normal = [0, 0, 1] }\n",
+            "held = { through_m = [0, 0, -0.0199], normal = [0, 0, 1] }\n" +
+            more,
         "p.toml");
   };
+  EXPECT_EQ(pad_with("extrapolation_per_s = 0.5\n", "")->accuracy()->change_locally_per_s, 0) << "it runs there too";
   EXPECT_EQ(pad_with("extrapolation_per_s = 0.5\n")->accuracy()->change_locally_per_s, 0.5);
   EXPECT_EQ(pad_with("")->accuracy()->change_locally_per_s, 20) << "it could be as bad as a held force";
 }

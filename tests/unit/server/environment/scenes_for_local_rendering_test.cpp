@@ -70,7 +70,7 @@ TEST_P(SceneForLocalRendering, IsNotHeldInAnyPart) {
 
 INSTANTIATE_TEST_SUITE_P(All, SceneForLocalRendering,
                          testing::Values(ShownScene{"dome", scene::Rendering::at_client},
-                                         ShownScene{"pad", scene::Rendering::modelled},
+                                         ShownScene{"pad", scene::Rendering::at_client},
                                          ShownScene{"block_and_stop", scene::Rendering::modelled, true},
                                          ShownScene{"two_on_a_block", scene::Rendering::modelled, true}),
                          [](const auto& one) { return std::string(one.param.name); });

@@ -125,6 +125,11 @@ INSTANTIATE_TEST_SUITE_P(Words, NetemGrammarRefuses,
                                          Refusal{"delay 5ms delay 6ms", "'delay' is given twice", "once"},
                                          Refusal{"loss 5% loss 1%", "'loss' is given twice", "once"}));
 
+INSTANTIATE_TEST_SUITE_P(UnitsApart, NetemGrammarRefuses,
+                         testing::Values(Refusal{"delay 50 ms", "'ms' stands apart from its number", "50ms"},
+                                         Refusal{"loss 5 %", "'%' stands apart from its number", "%;"},
+                                         Refusal{"rate 1 Mbit", "'Mbit' stands apart from its number", "bps"}));
+
 INSTANTIATE_TEST_SUITE_P(
     Times, NetemGrammarRefuses,
     testing::Values(Refusal{"delay", "the line ends", "a time for delay"}, Refusal{"delay fast", "'fast'", "50ms"},

@@ -63,6 +63,7 @@ TEST_F(RelayControl, ChangesNothingForALineThatIsWrong) {
     EXPECT_EQ(control_.answer("status", 0ms).text, "up: delay 10ms; down: perfect");
   }
   EXPECT_THAT(control_.answer("sideways\x1b[2J", 0ms).text, HasSubstr("'sideways?[2J'"));
+  EXPECT_THAT(control_.answer("sideways 1ms\r\n", 0ms).text, HasSubstr("got 'sideways 1ms'")) << "as echo ends a line";
 }
 
 }  // namespace

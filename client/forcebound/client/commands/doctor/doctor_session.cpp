@@ -1,7 +1,6 @@
 #include "forcebound/client/commands/doctor/doctor_session.hpp"
 
 #include <algorithm>
-#include <utility>
 #include <variant>
 
 #include "forcebound/client/commands/doctor/padded.hpp"
@@ -14,9 +13,6 @@ namespace {
 constexpr double kDoctorPeriod_s = 1e-3;
 // Of the device that the Hello tells of: nothing renders it.
 constexpr double kDoctorForce_N_max = 3;
-constexpr Nanoseconds kDoctorByePause = std::chrono::milliseconds{50};
-// As the client has it.
-constexpr int kDoctorByesWithoutNews = 5;
 
 }  // namespace
 
@@ -137,7 +133,8 @@ void DoctorSession::receive(const wire::EnvironmentForce& force, Nanoseconds arr
     answers_.push_back({.motion = force.motion_sequence, .times = times, .compute = force.compute_time});
   if (verdict != Arrived::newest) return;
   // After the last motion there is nothing to wait for.
-  if (newest_arrived_ != Nanoseconds{0} && !closing_) longest_gap_ = std::max(longest_gap_, arrival - newest_arrived_);
+  if (newest_arrived_ != Nanoseconds{0} && !closing_.begun())
+    longest_gap_ = std::max(longest_gap_, arrival - newest_arrived_);
   newest_arrived_ = arrival;
 }
 
@@ -154,26 +151,20 @@ void DoctorSession::receive(const wire::ScenePiece& piece) noexcept {
 void DoctorSession::receive(const wire::Bye& bye, Nanoseconds arrival) noexcept {
   const client::Progress before = forces_.final_progress();
   if (bye.session != connection_.session() || !forces_.accept(bye)) return;
-  if (!closing_) return connection_.on_bye();
+  if (!closing_.begun()) return connection_.on_bye();
   if (forces_.final_progress() == before) {
-    ++byes_without_news_;
+    closing_.on_answer_without_news(arrival);
   } else {
-    byes_without_news_ = 0;
-    last_news_ = arrival;
+    closing_.on_news(arrival);
   }
 }
 
 bool DoctorSession::close() noexcept {
   const Nanoseconds now = clock_.now();
-  if (!std::exchange(closing_, true)) last_news_ = now;
+  closing_.begin(now);
   receive();
-  // A network that has held a datagram up for so long may hold up the last ones as long.
-  const bool all_came = now - last_news_ >= forces_.longest_delay();
-  if (!connected() || (all_came && byes_without_news_ >= kDoctorByesWithoutNews)) return true;
-  if (now >= next_bye_) {
-    next_bye_ = now + kDoctorByePause;
-    link_.send(codec_.encode(wire::Bye{.session = connection_.session()}), settings_.server);
-  }
+  if (!connected() || closing_.has_final_counts(forces_.longest_delay())) return true;
+  if (closing_.bye_due(now)) link_.send(codec_.encode(wire::Bye{.session = connection_.session()}), settings_.server);
   return false;
 }
 

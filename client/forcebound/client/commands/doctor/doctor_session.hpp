@@ -8,6 +8,7 @@
 
 #include "forcebound/client/rendering/piece_receipts.hpp"
 #include "forcebound/client/session/clock_offset.hpp"
+#include "forcebound/client/session/closing.hpp"
 #include "forcebound/client/session/connection.hpp"
 #include "forcebound/client/session/force_stream.hpp"
 #include "forcebound/net/datagram_link.hpp"
@@ -88,7 +89,7 @@ class DoctorSession {
 
   /// The longest time without a force newer than all before; until `close`, the present one included.
   [[nodiscard]] Nanoseconds longest_gap() const noexcept {
-    if (closing_ || newest_arrived_ == Nanoseconds{0}) return longest_gap_;
+    if (closing_.begun() || newest_arrived_ == Nanoseconds{0}) return longest_gap_;
     return std::max(longest_gap_, clock_.now() - newest_arrived_);
   }
 
@@ -133,10 +134,7 @@ class DoctorSession {
   std::uint64_t piece_bytes_ = 0;
   std::uint64_t malformed_ = 0;
 
-  bool closing_ = false;
-  Nanoseconds next_bye_{Nanoseconds::min()};
-  Nanoseconds last_news_{0};
-  int byes_without_news_ = 0;
+  client::Closing closing_;
 };
 
 }  // namespace forcebound::client::commands

@@ -77,7 +77,7 @@ TEST(StudyOfASession, LocalRenderingTakesTheAgeAwayAndItsPartsAddUp) {
 
 TEST(StudyOfASession, OfTissueThatIsExtrapolatedAddsUpToo) {
   Study study = floor_study(0.02);
-  study.scene_text = server::scene_source("pad").text;
+  study.scene_text = server::scene_source("pad").text + "large_motion = true\n";
   study.device = "firm-3dof";
   study.session.renders_locally = true;
   study.sweep = parse_sweep("law=none,fba-exact");
@@ -88,6 +88,26 @@ TEST(StudyOfASession, OfTissueThatIsExtrapolatedAddsUpToo) {
     EXPECT_GT(error.extrapolation.alone, 0) << result.settings[i].value;
   }
   EXPECT_GT(result.extrapolation_per_s, 0);
+}
+
+TEST(StudyOfASession, TellsAnAutoSceneHowFastWhatIsMissedOfBodiesGrows) {
+  Study study = floor_study(0.001);
+  study.scene_text = server::scene_source("blocks").text;
+  study.round_trips_s.push_back(0.1);
+  study.session = {.renders_locally = true};
+  study.sweep = parse_sweep("bodies.timestep_s=0.002,0.001");
+  const StudyResult result = carry_out(study, EvenClock());
+  double grown_by = 0;
+  for (const StudiedSetting& setting : result.settings) {
+    EXPECT_GT(setting.behind[0].error.extrapolation.alone, 0.01) << "at any age";
+    grown_by += setting.behind[1].error.extrapolation.alone - setting.behind[0].error.extrapolation.alone;
+  }
+  EXPECT_NEAR(result.extrapolation_per_s, grown_by / 2 / 0.099, 0.02);
+  constexpr std::string_view kShared = "shared = true\nclients_max = 4\n";
+  std::string text = study.scene_text;
+  text.replace(text.find(kShared), kShared.size(), "accuracy = 'auto'\n");
+  const auto scene = server::parse_scene(text + levels_text(result), "blocks.toml");
+  EXPECT_NEAR(scene->accuracy()->change_locally_per_s, result.extrapolation_per_s, 0.01);
 }
 
 TEST(StudyOfASession, PressesAgainstASurfaceAcrossAnyAxis) {

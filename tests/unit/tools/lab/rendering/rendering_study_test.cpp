@@ -16,12 +16,41 @@ namespace {
 
 TEST(RenderingStudy, RefusesAWordThatNoSceneHasAndNamesThoseThereAre) {
   try {
-    (void)study_rendering({.only = "spere"}, [](double) {});
+    (void)rendering_tasks_with("spere");
     FAIL() << "no error";
   } catch (const std::invalid_argument& error) {
     EXPECT_THAT(error.what(), testing::HasSubstr("--only: no scene's name or class contains 'spere': "));
     EXPECT_THAT(error.what(), testing::HasSubstr("'edge of a box', 'corner of a box'"));
   }
+}
+
+/// Runs that differ in E_dev of local rendering alone.
+RenderingRow row_with(const std::string& task, const std::string& group, const std::vector<double>& errors) {
+  RenderingRow row{.task = task, .group = group, .condition = "100 ms", .kind = "delays"};
+  for (const double error : errors) row.local.push_back({.error = error});
+  row.remote = row.without_network = std::vector<RenderingFigures>(errors.size());
+  return row;
+}
+
+TEST(RenderingStudy, FindsTheRunOfEachClassThatIsMostWrong) {
+  const std::vector<RenderingRow> rows{row_with("a", "flat", {0.2, 0.1}), row_with("b", "flat", {0.1, 0.3}),
+                                       row_with("c", "round", {0.1, 0.1})};
+  const std::vector<WorstRendering> worst = worst_renderings(rows);
+  ASSERT_EQ(worst.size(), 2U);
+  EXPECT_EQ(worst[0].row, &rows[1]);
+  EXPECT_EQ(worst[0].seed, 2U);
+  EXPECT_EQ(worst[1].row, &rows[2]);
+  EXPECT_EQ(worst[1].seed, 1U);
+}
+
+TEST(RenderingStudy, DrawsTheCourseWithoutANetworkRemoteAndLocal) {
+  const std::vector<RenderingTask> tasks = rendering_tasks_with("plane, pressed at 3 Hz");
+  const RenderingRow row = row_with(tasks.at(0).name, tasks.at(0).group, {0.25});
+  const auto figure = rendering_course(tasks, {.row = &row, .seed = 1}, {.run = std::chrono::seconds{1}});
+  EXPECT_EQ(figure.title(), "The worst of 'plane': plane, pressed at 3 Hz, 100 ms");
+  const std::string csv = figure.to_csv();
+  for (const char* const run : {"\n,fba-exact,", "\nremote rendering: E_dev 0.000,", "\nlocal rendering: E_dev 0.250,"})
+    EXPECT_THAT(csv, testing::HasSubstr(run));
 }
 
 /// Behind 100 ms, one seed.

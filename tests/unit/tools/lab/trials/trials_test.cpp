@@ -53,6 +53,16 @@ TEST(PlayTrials, PlaysEachLawWithoutANetworkAndThenWithEachRendering) {
   EXPECT_THAT(renderings_of(played(settings)), ElementsAre("fba-exact remote", "none remote"));
 }
 
+TEST(TrialsTable, SaysWhichLawsRefuseLocalRendering) {
+  TrialsSettings settings = settings_for("plane");
+  settings.laws = {"tdpa-er"};
+  settings.duration_s = 0.1;
+  const std::vector<PlayedTrial> trials = played(settings);
+  EXPECT_THAT(trials_table(settings, trials, text::Colour::none),
+              HasSubstr("tdpa-er  refuses: local rendering, as all forces go through its server-side\n    law\n"));
+  EXPECT_EQ(trials.back().refused, "") << trials.back().rendering;
+}
+
 TEST(TrialsTable, SaysWhyThereAreDashesWhereTheHandNeverTouched) {
   TrialsSettings settings = settings_for("sphere");
   settings.hand = "press:from_m=0.2,to_m=0.19";

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <optional>
+
+#include "forcebound/scene/part.hpp"
+
+namespace forcebound::scene {
+
+/// A dynamic model that a client can run by itself, as an object: its force follows from the path of one device alone,
+/// and from nothing that anybody else does. In a scene that clients share it is not handed over.
+class RunsAtClient {
+ public:
+  virtual ~RunsAtClient() = default;
+
+  /// The object, of shapes and effects that every client makes of what it is handed (handover). None: it takes more
+  /// than a client gives. Allocates.
+  [[nodiscard]] virtual std::optional<PartDescription> part_at_client() const = 0;
+};
+
+}  // namespace forcebound::scene

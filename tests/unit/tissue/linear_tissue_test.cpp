@@ -1,0 +1,158 @@
+#include "forcebound/tissue/linear_tissue.hpp"
+
+#include <gmock/gmock.h>
+
+#include <Eigen/Geometry>
+#include <stdexcept>
+
+#include "tests/support/tissue_block.hpp"
+#include "tests/tools/data/recorded_data.hpp"
+
+namespace forcebound::tissue {
+namespace {
+
+using test::BlockOfCubes;
+using test::tetrahedra_of;
+
+constexpr double kYoung_Pa = 5000;
+
+// Where the surface's nodes go under forces on them.
+Eigen::VectorXd displacement_m(const LinearTissue& tissue, const Eigen::VectorXd& force_N) {
+  return tissue.compliance_m_per_N() * force_N;
+}
+
+LinearTissue block_on_the_ground(const BlockOfCubes& block, double poisson) {
+  TetrahedralMesh mesh(tetrahedra_of(block));
+  const std::vector<int> held = nodes_below(mesh, block.from_m, scene::Point::UnitZ());
+  return {std::move(mesh), {.young_Pa = kYoung_Pa, .poisson = poisson}, held};
+}
+
+// A third of each triangle of the top to each of its corners.
+Eigen::VectorXd pull_at_top(const LinearTissue& tissue, double top_m, const scene::Point& stress_Pa) {
+  Eigen::VectorXd force_N = Eigen::VectorXd::Zero(3 * tissue.surface_nodes());
+  for (const auto& [a, b, c] : tissue.surface().triangles()) {
+    const scene::Point& p = tissue.surface().nodes_m()[a];
+    const scene::Point& q = tissue.surface().nodes_m()[b];
+    const scene::Point& r = tissue.surface().nodes_m()[c];
+    if (std::min({p.z(), q.z(), r.z()}) < top_m - 1e-9) continue;
+    const double area_m2 = 0.5 * (q - p).cross(r - p).norm();
+    for (const int node : {a, b, c}) force_N.segment<3>(3 * node) += area_m2 / 3 * stress_Pa;
+  }
+  return force_N;
+}
+
+TEST(LinearTissue, ABarWithoutLateralContractionStretchesByForceOverYoungTimesArea) {
+  const BlockOfCubes block{.cubes = {2, 2, 5}, .cube_m = 0.01};
+  const LinearTissue tissue = block_on_the_ground(block, 0);
+  const Eigen::VectorXd moved_m = displacement_m(tissue, pull_at_top(tissue, 0.05, {0, 0, 100}));
+  for (int node = 0; node < tissue.surface_nodes(); ++node) {
+    const scene::Point expected_m(0, 0, 100 / kYoung_Pa * tissue.surface().nodes_m()[node].z());
+    EXPECT_LT((moved_m.segment<3>(3 * node) - expected_m).norm(), 1e-10 * 0.001);
+  }
+}
+
+TEST(LinearTissue, ComplianceIsSymmetricAndHeldNodesDoNotMove) {
+  const LinearTissue tissue = block_on_the_ground({.cubes = {3, 2, 2}}, 0.4);
+  const Eigen::MatrixXd& compliance = tissue.compliance_m_per_N();
+  EXPECT_EQ(compliance, compliance.transpose());
+  for (int node = 0; node < tissue.surface_nodes(); ++node) {
+    const bool held = tissue.surface().nodes_m()[node].z() == 0;
+    EXPECT_EQ(compliance.middleRows<3>(3 * node).isZero(0), held);
+  }
+}
+
+TEST(LinearTissue, CompressesAPointOfASliverAsItsClosedFormSays) {
+  // Over a held triangle of area A at height h: A (lambda + 2 mu) / (3 h) upwards, A mu / (3 h) sideways.
+  for (const double height_m : {1e-2, 1e-4, 1e-5, 5e-7}) {
+    const TetrahedralSoup soup{.name = "sliver",
+                               .nodes = {{0, 0, 0}, {0.1, 0, 0}, {0, 0.1, 0}, {0.03, 0.03, height_m}},
+                               .tetrahedra = {{.nodes = {0, 1, 2, 3}}}};
+    const ElasticMaterial material{.young_Pa = kYoung_Pa, .poisson = 0.3};
+    const LinearTissue tissue(TetrahedralMesh(soup), material, {0, 1, 2});
+    const double per_height_m = 0.005 / (3 * height_m);
+    const scene::Point compliance = tissue.compliance_m_per_N().diagonal().tail<3>();
+    const double normal = 1 / (per_height_m * (material.lambda_Pa() + 2 * material.mu_Pa()));
+    const double lateral = 1 / (per_height_m * material.mu_Pa());
+    EXPECT_NEAR(compliance.z() / normal, 1, 1e-8) << height_m;
+    EXPECT_NEAR(compliance.x() / lateral, 1, 1e-8) << height_m;
+    EXPECT_NEAR(compliance.y() / lateral, 1, 1e-8) << height_m;
+  }
+}
+
+TEST(LinearTissue, RefusesTissueThatNothingHolds) {
+  const auto held_by = [](const std::vector<int>& nodes) -> std::string {
+    try {
+      const LinearTissue tissue(TetrahedralMesh(tetrahedra_of({.cubes = {2, 2, 2}})), {.young_Pa = 1, .poisson = 0.3},
+                                nodes);
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  constexpr const char* kRefusal =
+      "block: the held nodes leave the tissue free to move or to turn: hold at least three nodes, not in a line, of "
+      "each connected part";
+  EXPECT_EQ(held_by({}), kRefusal);
+  EXPECT_EQ(held_by({5}), kRefusal);
+  EXPECT_EQ(held_by({0, 1, 2}), kRefusal) << "in a line";
+  EXPECT_EQ(held_by({0, 1, 3}), "accepted");
+  std::vector<int> all(27);
+  for (int node = 0; node < 27; ++node) all[node] = node;
+  EXPECT_EQ(held_by(all), "block: all nodes are held: expected some that can move");
+}
+
+TEST(LinearTissue, RefusesAPartThatIsNotHeld) {
+  TetrahedralSoup soup = tetrahedra_of({});
+  for (const TetrahedralSoup& other : {tetrahedra_of({.from_m = {0.05, 0, 0}})}) {
+    for (auto tetrahedron : other.tetrahedra) {
+      for (auto& node : tetrahedron.nodes) node += 8;
+      soup.tetrahedra.push_back(tetrahedron);
+    }
+    soup.nodes.insert(soup.nodes.end(), other.nodes.begin(), other.nodes.end());
+  }
+  EXPECT_THROW(LinearTissue(TetrahedralMesh(soup), {.young_Pa = 1, .poisson = 0.3}, {0, 1, 2, 3}), std::runtime_error);
+  EXPECT_NO_THROW(LinearTissue(TetrahedralMesh(soup), {.young_Pa = 1, .poisson = 0.3}, {0, 1, 2, 8, 9, 10}));
+}
+
+TEST(LinearTissue, RefusesAComplianceThatDoesNotFit) {
+  try {
+    const LinearTissue tissue(TetrahedralMesh(tetrahedra_of({})), {.young_Pa = 1, .poisson = 0.3}, {0, 1, 2}, 4000);
+    ADD_FAILURE() << "accepted";
+  } catch (const std::runtime_error& error) {
+    EXPECT_STREQ(error.what(),
+                 "block: the compliance of its 8 surface nodes would take 4608 bytes: expected at most 4000, so a "
+                 "coarser mesh");
+  }
+}
+
+TEST(LinearTissue, ReportsLockingNearIncompressibility) {
+  const LinearTissue free = block_on_the_ground({.cubes = {4, 4, 4}}, 0.3);
+  EXPECT_GE(free.locking(), 1);
+  EXPECT_LT(free.locking(), 1.1);
+  EXPECT_EQ(free.warning(), "");
+  const LinearTissue locked = block_on_the_ground({.cubes = {4, 4, 4}}, 0.4999);
+  EXPECT_GT(locked.locking(), 1.5);
+  EXPECT_THAT(locked.warning(), testing::MatchesRegex("block: with poisson 0.4999 the tetrahedra lock: displacements "
+                                                      "are about [0-9]\\.[0-9]?[0-9]? times too small.*"));
+}
+
+TEST(LinearTissue, SaysHowMuchMemoryItTakes) {
+  const LinearTissue tissue = block_on_the_ground({.cubes = {3, 3, 3}}, 0.3);
+  EXPECT_GE(tissue.memory_bytes(), 72U * 56 * 56);
+  EXPECT_LT(tissue.memory_bytes(), 72U * 56 * 56 + 20000);
+}
+
+TEST(LinearTissue, TakesTheLiver) {
+  const auto path = recorded_data("meshes/liver.msh");
+  if (!path) GTEST_SKIP() << "meshes/liver.msh is not there";
+  TetrahedralMesh mesh(load_gmsh(path->string()), {.scale = 0.01});
+  const std::vector<int> held = nodes_below(mesh, {0, 0, 0}, scene::Point::UnitZ());
+  for (const double poisson : {0.3, 0.45, 0.49, 0.4999}) {
+    const LinearTissue tissue(mesh, {.young_Pa = kYoung_Pa, .poisson = poisson}, held);
+    EXPECT_TRUE(tissue.compliance_m_per_N().allFinite());
+    RecordProperty("locking at " + std::to_string(poisson), std::to_string(tissue.locking()));
+  }
+}
+
+}  // namespace
+}  // namespace forcebound::tissue
