@@ -1,5 +1,7 @@
 #include "tests/support/pressed_wall.hpp"
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <cmath>
 #include <deque>
@@ -107,6 +109,13 @@ PressedWallResult press(const PressedWall& setting) {
   result.stored_J = motion.stored_J();
   result.returned_J = motion.returned_J();
   return result;
+}
+
+void expect_calms_a_wall_too_stiff(std::string_view law) {
+  const PressedWallResult without = press({.law = "none", .stiffness_N_per_m = 8e4, .hand_N_per_m = 2000});
+  const PressedWallResult with = press({.law = law, .stiffness_N_per_m = 8e4, .hand_N_per_m = 2000});
+  EXPECT_LT(with.ripple_N, 0.5 * without.ripple_N);
+  EXPECT_GT(with.least_P_J, 0.01 * without.least_P_J);
 }
 
 }  // namespace forcebound::test
