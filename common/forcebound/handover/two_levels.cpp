@@ -44,7 +44,7 @@ bool TwoLevels::knows(const Point& position_m, double depth_m, double more_m) co
 }
 
 TwoLevels::Level TwoLevels::level_at(const Point& position_m, const State& state) const noexcept {
-  const double more_m = state.level == Level::full ? 0 : coarse_.error_m + kFurther_m;
+  const double more_m = state.level == Level::coarse ? coarse_.error_m + kFurther_m : 0;
   return knows(position_m, state.depth_m, more_m) ? Level::full : Level::coarse;
 }
 

@@ -27,10 +27,12 @@ void LocalScene::adopt() noexcept {
 }
 
 bool LocalScene::knows_about(const scene::Point& place_m, double more_m) const noexcept {
+  const handover::AssembledScene& made = scene_->assembled;
+  const std::vector<handover::Coverage>& known = coarse_counts_ ? made.coverage : made.exact;
   const auto steps = scene_->assembled.scene->plan().steps();
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const double wanted_m = std::max(depth_m_, steps[i].reach_m) + more_m + handover::kBorder_m;
-    if (!(scene_->assembled.coverage[i].known_within_m(place_m) >= wanted_m)) return false;
+    if (!(known[i].known_within_m(place_m) >= wanted_m)) return false;
   }
   return true;
 }
@@ -56,11 +58,15 @@ std::optional<Answer> LocalScene::answer(const Vector& position, Nanoseconds dev
   if (scene_ == nullptr) return std::nullopt;
   swapped_ = !active_;
   const scene::SearchBudget budget(nodes_of_a_tick_);
+  Nanoseconds age = Nanoseconds::max();
+  if (newest != nullptr) {
+    age = device_time - newest->motion_device_time;
+    coarse_counts_ = age > (coarse_counts_ ? kCoarseSince / 2 : kCoarseSince);
+  }
   if (active_) {
     active_ = knows_about(place_m, 0);
   } else {
-    const bool recent = newest != nullptr && device_time - newest->motion_device_time <= kAnswerAgeMax;
-    active_ = recent && begin(position, place_m, *newest);
+    active_ = age <= kAnswerAgeMax && begin(position, place_m, *newest);
   }
   if (!active_) return std::nullopt;
 

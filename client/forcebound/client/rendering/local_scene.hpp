@@ -2,11 +2,13 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "forcebound/answer/answer.hpp"
 #include "forcebound/client/rendering/scene_exchange.hpp"
 #include "forcebound/control/handle.hpp"
 #include "forcebound/control/vector.hpp"
+#include "forcebound/handover/coarse_level.hpp"
 #include "forcebound/time/clock.hpp"
 #include "forcebound/wire/messages.hpp"
 
@@ -21,8 +23,10 @@ using time::Nanoseconds;
 ///
 /// It begins from a position at which the server found the device outside of everything, or, in contact, on the surface
 /// touched, so that contacts begin on the right side; the geometry must be known around the way from there to the
-/// device. While all geometry around the device is known it goes on, also in larger parts of the scene as they arrive;
-/// otherwise it does not answer, because the border of what has arrived is no surface.
+/// device. Coarse levels count as known once the server's answers are older than `kCoarseSince`, until they are younger
+/// than half of it: a fresh answer is less far from the truth than they are. While all geometry around the device is
+/// known it goes on, also in larger parts of the scene as they arrive; otherwise it does not answer, because the border
+/// of what has arrived is no surface.
 ///
 /// Real time: `answer` is noexcept, allocates and frees nothing, and takes what the scene takes at the server, but no
 /// longer than its bound on the nodes that are visited allows.
@@ -30,6 +34,9 @@ class LocalScene {
  public:
   /// Beyond any round trip, and short enough that the device's way since is nearly straight.
   static constexpr Nanoseconds kAnswerAgeMax = std::chrono::seconds{1};
+
+  /// In which a hand at 0.1 m/s, which is a slow stroke, goes as far as a coarse level may lie off.
+  static constexpr Nanoseconds kCoarseSince = time::from_seconds(handover::kCoarseErrorMost_m / 0.1);
 
   /// @param exchange must outlive this
   /// @param nodes_of_a_tick of the trees of meshes; where a tick would visit more, the scene does not answer
@@ -81,6 +88,7 @@ class LocalScene {
   BuiltScene* scene_ = nullptr;  // the builder's to destroy; null: none of this offer
   bool active_ = false;
   bool swapped_ = false;
+  bool coarse_counts_ = false;  // as known
   double depth_m_ = 0;
   std::uint64_t quarantined_ = 0;
   std::uint64_t searches_exhausted_ = 0;
