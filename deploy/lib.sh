@@ -7,6 +7,9 @@ bin=$root/build/release/bin
 # A clone in another place finds what this one has compiled, with precompiled headers too.
 export CCACHE_BASEDIR=$root CCACHE_NOHASHDIR=1 CCACHE_SLOPPINESS=pch_defines,time_macros
 
+# As many tests at a time as the processors hold, of which each takes some tenths (deploy/cmake/ForceboundTest.cmake).
+test_tenths=$((10 * $(nproc)))
+
 say() { printf '%s\n' "$*"; }
 
 # fail [STATUS] TEXT: one line on stderr, then the end. Status 2 means wrong use.

@@ -10,6 +10,20 @@ function(forcebound_wants label result)
   set(${result} ${wanted} PARENT_SCOPE)
 endfunction()
 
+# forcebound_tenths(LABEL RESULT): how much of a processor a test with this label gets, in tenths: ctest's PROCESSORS, of
+# which deploy/test has ten for each processor. A test that starts programs mostly waits for them: it keeps a tenth or two
+# of a processor busy, up to half of one under ThreadSanitizer, and the rest is left to the programs' threads of real time.
+function(forcebound_tenths label result)
+  set(tenths 10)
+  if(label STREQUAL process)
+    set(tenths 5)
+    if(CMAKE_CXX_FLAGS MATCHES "fsanitize")
+      set(tenths 6)
+    endif()
+  endif()
+  set(${result} ${tenths} PARENT_SCOPE)
+endfunction()
+
 # forcebound_leave_out(NAME REASON [LABEL]): in place of a test that cannot be built or run here, one that says so and
 # counts as skipped.
 function(forcebound_leave_out name reason)
@@ -102,10 +116,9 @@ target_precompile_headers(forcebound_test_headers PRIVATE
 # SERIAL: nothing else runs beside it, for tests in real time. The label `long` keeps a test out of deploy/test unless
 # --long is given. The gate (.ci/run) runs a test without a label under AddressSanitizer, `threads` under
 # ThreadSanitizer too, `numbers`, whose results an optimiser could change, in its optimised build too, `process` there
-# and under ThreadSanitizer, `studies` there alone. Of those with the label `process` one runs at a time: the clients of
-# two would fill all processors with threads of real time, and leave none for their servers. SLOW_CASES are patterns of
-# GoogleTest's names: without FORCEBOUND_SLOW_CASES these are left out. They take minutes under sanitizers, and repeat for
-# many ticks what other cases run there too.
+# and under ThreadSanitizer, `studies` there alone. SLOW_CASES are patterns of GoogleTest's names: without
+# FORCEBOUND_SLOW_CASES these are left out. They take minutes under sanitizers, and repeat for many ticks what other cases
+# run there too.
 function(forcebound_test name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "SERIAL" "FOLDER;TIMEOUT;SHARDS" "SOURCES;LINK;LABELS;PROPERTIES;SLOW_CASES")
   if(NOT arg_TIMEOUT)
@@ -139,11 +152,9 @@ function(forcebound_test name)
       set(test ${name}.${number})
     endif()
     add_test(NAME ${test} COMMAND ${name})
+    forcebound_tenths("${arg_LABELS}" tenths)
     set_tests_properties(${test} PROPERTIES TIMEOUT ${arg_TIMEOUT} RUN_SERIAL ${arg_SERIAL} LABELS "${arg_LABELS}"
-                         ${arg_PROPERTIES})
-    if(arg_LABELS STREQUAL process)
-      set_property(TEST ${test} PROPERTY RESOURCE_LOCK real_time)
-    endif()
+                         PROCESSORS ${tenths} ${arg_PROPERTIES})
     set_property(TEST ${test} PROPERTY ENVIRONMENT GTEST_TOTAL_SHARDS=${arg_SHARDS} GTEST_SHARD_INDEX=${shard})
     if(slow_cases AND NOT FORCEBOUND_SLOW_CASES)
       # Appended: deploy/test --only sets the variable too.
