@@ -4,6 +4,7 @@
 #include <zstd.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <map>
 #include <random>
@@ -396,8 +397,9 @@ std::size_t chunks_lost(const std::vector<std::pair<std::uint32_t, std::uint32_t
   return lost;
 }
 
-// The bytes of a small file, inverted and with their highest and lowest bit changed: of three chunks at most the one is
-// lost that the byte is in; nothing is shown that was not written, and all of it is said.
+// The bytes of a small file, inverted or with their highest or lowest bit changed, an opcode or a length in all three
+// ways: of three chunks at most the one is lost that the byte is in; nothing is shown that was not written, and all of
+// it is said.
 TEST(Mcap, WithAnyByteChangedLosesAtMostTheChunkItIsInAndSaysSo) {
   for (const Compression compression : {Compression::none, Compression::zstd}) {
     const std::string bytes = file_of(2100, compression);
@@ -411,7 +413,12 @@ TEST(Mcap, WithAnyByteChangedLosesAtMostTheChunkItIsInAndSaysSo) {
       constexpr std::size_t kHead = 60;
       constexpr std::size_t kStep = 401;
       if (piece != pieces.end() && at > piece->begin + kHead && at + kHead < piece->end && at % kStep != 0) continue;
-      for (const unsigned change : {0xFFU, 0x80U, 0x01U}) {
+      constexpr std::array kChanges{0xFFU, 0x80U, 0x01U};
+      constexpr std::size_t kOpcodeAndLength = 9;
+      const bool decides = piece != pieces.end() && at < piece->begin + kOpcodeAndLength;
+      for (std::size_t way = 0; way < kChanges.size(); ++way) {
+        if (!decides && way != at % kChanges.size()) continue;
+        const unsigned change = kChanges[way];
         SCOPED_TRACE(testing::Message() << "byte " << at << " ^ " << change);
         std::string damaged = bytes;
         damaged[at] = static_cast<char>(static_cast<unsigned char>(damaged[at]) ^ change);

@@ -138,6 +138,7 @@ class Felt {
 device::Safety of_a_person() { return {.ramp_s = 0.5}; }
 
 TEST(UnseenEnergy, AHandGetsAtMost50MillijoulesFromADeviceThatFreezes) {
+  constexpr double kLeakOfNobody_J = -0.9;
   double unbounded_J = 0;
   for (const char* const name : kDevices) {
     for (const double leaves_m_per_s : {0.05, 0.3}) {
@@ -148,6 +149,7 @@ TEST(UnseenEnergy, AHandGetsAtMost50MillijoulesFromADeviceThatFreezes) {
         felt.frozen_from = frozen_ms * 1ms;
         felt.run(4s);
         EXPECT_GE(felt.least_P_J(), -UnseenEnergy::kMost_J);
+        if (unbounded_J < kLeakOfNobody_J) continue;
         Felt unbounded(name, {.leaves_m_per_s = leaves_m_per_s}, {});
         unbounded.frozen_from = frozen_ms * 1ms;
         unbounded.run(4s);
@@ -155,7 +157,7 @@ TEST(UnseenEnergy, AHandGetsAtMost50MillijoulesFromADeviceThatFreezes) {
       }
     }
   }
-  EXPECT_LT(unbounded_J, -0.9) << "where nobody is believed to feel it";
+  EXPECT_LT(unbounded_J, kLeakOfNobody_J) << "where nobody is believed to feel it";
 }
 
 TEST(UnseenEnergy, OneAxisThatFreezesIsEnough) {

@@ -71,7 +71,7 @@ TEST(DrivenRobot, FollowsTouchesAndStaysPassive) {
 }
 
 TEST(DrivenRobot, StaysPassiveWheneverItIsStopped) {
-  for (int ms = 50; ms <= 1600; ms += 50) {
+  for (int ms = 50; ms <= 1600; ms += 110) {
     DrivenFollower arm;
     arm.engage();
     arm.run(ms * 1ms, [](double time_s, LeaderMotion& leader) {

@@ -297,7 +297,7 @@ double least_of_game(std::uint64_t seed, const std::string& task, const Law& law
 }
 
 TEST(SimulatedArm, IsPassiveUnderTheExactLawWhoeverPushesAndCommands) {
-  for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {  // twice each memory with each task
     SCOPED_TRACE(seed);
     const auto law = [&](const control::DeviceFacts& facts) {
       const auto memory = seed % 2 == 0 ? control::EnergyMemory::full : control::EnergyMemory::capped;

@@ -5,9 +5,9 @@
 namespace forcebound::lab::identification {
 namespace {
 
-TEST(IdentificationStudy, NoBoundOfTwentyHiddenDevicesIsWrongAndTheLawIsPassiveWithThem) {
-  const auto devices = study_devices({.devices = 20, .seed = 3}, [](std::uint64_t) {});
-  ASSERT_EQ(devices.size(), 20U);
+TEST(IdentificationStudy, NoBoundOfTenHiddenDevicesIsWrongAndTheLawIsPassiveWithThem) {
+  const auto devices = study_devices({.devices = 10, .seed = 3}, [](std::uint64_t) {});
+  ASSERT_EQ(devices.size(), 10U);
   int complete = 0;
   for (const StudyDevice& device : devices) {
     SCOPED_TRACE(testing::Message() << device.kind << ", seed " << device.seed);
@@ -19,7 +19,7 @@ TEST(IdentificationStudy, NoBoundOfTwentyHiddenDevicesIsWrongAndTheLawIsPassiveW
     EXPECT_LE(device.latency_excess_s.value_or(0), 100e-6);
     EXPECT_EQ(device.least_P_J.has_value(), device.complete);
   }
-  EXPECT_GE(complete, 16);
+  EXPECT_GE(complete, 8);
   EXPECT_FALSE(any_wrong(devices));
 }
 
