@@ -12,14 +12,11 @@ endfunction()
 
 # forcebound_tenths(LABEL RESULT): how much of a processor a test with this label gets, in tenths: ctest's PROCESSORS, of
 # which deploy/test has ten for each processor. A test that starts programs mostly waits for them: it keeps a tenth or two
-# of a processor busy, up to half of one under ThreadSanitizer, and the rest is left to the programs' threads of real time.
+# of a processor busy, and under ThreadSanitizer up to half; the rest is left to the programs' threads of real time.
 function(forcebound_tenths label result)
   set(tenths 10)
-  if(label STREQUAL process)
+  if(label STREQUAL process AND NOT CMAKE_CXX_FLAGS MATCHES "fsanitize")
     set(tenths 5)
-    if(CMAKE_CXX_FLAGS MATCHES "fsanitize")
-      set(tenths 6)
-    endif()
   endif()
   set(${result} ${tenths} PARENT_SCOPE)
 endfunction()
