@@ -9,7 +9,7 @@ class ConstantForce final : public Effect {
 
   void act(const Probe&, std::byte*, Reaction& reaction) const noexcept override { reaction.force_N += force_N_; }
 
-  EffectFacts facts() const override { return {.pushes_on = true, .cost_ns = 2}; }
+  EffectFacts facts() const override { return {.fades_without_server = true, .cost_ns = 2}; }
 
  private:
   Point force_N_;

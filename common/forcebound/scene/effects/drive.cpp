@@ -60,7 +60,9 @@ class Drive final : public Effect {
     reaction.force_N += wave_(cycles - std::floor(cycles), duty_) * amplitude_N_;
   }
 
-  EffectFacts facts() const override { return {.inputs = {.time = true}, .drives = true, .cost_ns = 20}; }
+  EffectFacts facts() const override {
+    return {.inputs = {.time = true}, .drives = true, .fades_without_server = true, .cost_ns = 20};
+  }
 
  private:
   Wave wave_;

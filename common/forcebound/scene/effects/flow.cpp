@@ -18,11 +18,13 @@ class Flow final : public Effect {
   }
 
   EffectFacts facts() const override {
+    const bool streams = !velocity_m_per_s_.isZero(0);
     return {
         .inputs = {.velocity = true},
         // The drag's slope grows with the speed: that of a fast hand against the stream.
         .damping_N_s_per_m = damping_N_s_per_m_ + 2 * drag_N_s2_per_m2_ * (velocity_m_per_s_.norm() + kHand_m_per_s),
-        .drives = !velocity_m_per_s_.isZero(0),
+        .drives = streams,
+        .fades_without_server = streams,
         .cost_ns = 8};
   }
 
