@@ -22,7 +22,8 @@ EffectKind constant_force_effect() {
           .purpose = "the same force everywhere and always",
           .law = "f = force_N",
           .place = EffectPlace::space,
-          .parameters = {PointParameter{.key = "force_N", .meaning = "on the device"}},
+          .parameters = {PointParameter{
+              .key = "force_N", .meaning = "on the device", .each = {.least = -1e6, .most = 1e6}}},
           .make = [](const Values& values) { return std::make_unique<ConstantForce>(values.point("force_N")); }};
 }
 

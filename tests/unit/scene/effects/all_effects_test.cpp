@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <random>
 #include <stdexcept>
 
@@ -34,22 +36,86 @@ std::unique_ptr<Effect> made(const EffectKind& kind) {
   }
 }
 
-TEST(AllEffects, AreFiniteFromTheOriginToFarOutAtAnySpeed) {
-  const Registry registry = Registry::standard();
-  for (const EffectKind& kind : registry.effects()) {
-    const auto effect = made(kind);
-    test::EffectProbe felt(*effect);
-    for (const double far_m : {0.0, 5e-324, 1e-9, 1.0, 1e9}) {
-      for (const double fast_m_per_s : {0.0, 1e-300, 1e6}) {
-        const Probe probe{.position_m = Point::Constant(far_m),
-                          .velocity_m_per_s = Point::Constant(-fast_m_per_s),
-                          .time_s = 1e6 * far_m,
-                          .interval_s = 1e-3,
-                          .penetration_m = far_m,
-                          .pressure_N = 1};
-        EXPECT_TRUE(felt(probe).force_N.allFinite()) << kind.name << " at " << far_m;
+using config::Value;
+
+/// Both ends of what is accepted.
+std::vector<Value> ends_of(const NumberParameter& number) {
+  constexpr double kMost = std::numeric_limits<double>::max();
+  return {number.least_excluded ? std::nextafter(number.least, kMost) : std::max(number.least, -kMost),
+          std::min(number.most, kMost)};
+}
+
+std::vector<Value> ends_of(const Parameter& parameter) {
+  std::vector<Value> ends;
+  if (const auto* number = std::get_if<NumberParameter>(&parameter)) {
+    ends = ends_of(*number);
+  } else if (const auto* point = std::get_if<PointParameter>(&parameter)) {
+    if (point->is_direction) return {Point(Point::UnitX()), Point(Point::Ones())};
+    for (const Value& end : ends_of(point->each)) ends.emplace_back(Point(Point::Constant(std::get<double>(end))));
+  } else {
+    for (const auto choice : std::get<ChoiceParameter>(parameter).choices) ends.emplace_back(std::string(choice));
+  }
+  return ends;
+}
+
+/// Every combination of the parameters' ends, and of leaving out those that may be.
+std::vector<Values> extremes_of(const EffectKind& kind) {
+  std::vector<Values> all(1);
+  for (const Parameter& parameter : kind.parameters) {
+    std::vector<Values> longer;
+    if (config::may_be_left_out(parameter)) longer = all;
+    for (const Value& end : ends_of(parameter)) {
+      for (Values& values : std::vector(all)) {
+        values.set(config::key_of(parameter), end);
+        longer.push_back(std::move(values));
       }
     }
+    all = std::move(longer);
+  }
+  return all;
+}
+
+/// Null: the values contradict each other.
+std::unique_ptr<Effect> made_of(const EffectKind& kind, const Values& values) {
+  try {
+    return kind.make(config::completed(kind.parameters, values));
+  } catch (const std::invalid_argument&) {
+    return nullptr;
+  }
+}
+
+void expect_finite(const Effect& effect) {
+  const EffectFacts facts = effect.facts();
+  EXPECT_TRUE(std::isfinite(facts.stiffness_N_per_m + facts.stiffening_N_per_m2 + facts.damping_N_s_per_m));
+  test::EffectProbe felt(effect);
+  for (const double far_m : {0.0, 5e-324, 1e-200, 1e-9, 1.0, 1e9}) {
+    for (const double fast_m_per_s : {0.0, 1e-300, 1e6}) {
+      const Probe probe{.position_m = Point::Constant(far_m),
+                        .velocity_m_per_s = Point::Constant(-fast_m_per_s),
+                        .time_s = 1e6 * far_m,
+                        .interval_s = 1e-3,
+                        .penetration_m = far_m,
+                        .pressure_N = 1,
+                        .handle = {.buttons = 1}};
+      const Reaction reaction = felt(probe);
+      EXPECT_TRUE(reaction.force_N.allFinite()) << far_m << " m, " << fast_m_per_s << " m/s";
+      for (const Point& wave : reaction.texture.waves_rad_per_m) EXPECT_TRUE(wave.allFinite());
+    }
+  }
+}
+
+TEST(AllEffects, AreFiniteFromTheOriginToFarOutAtAnySpeedWithAllThatIsAccepted) {
+  const Registry registry = Registry::standard();
+  for (const EffectKind& kind : registry.effects()) {
+    int accepted = 0;
+    for (const Values& values : extremes_of(kind)) {
+      const auto effect = made_of(kind, values);
+      if (!effect) continue;
+      ++accepted;
+      expect_finite(*effect);
+      ASSERT_FALSE(HasFailure()) << kind.name << ": " << config::to_text(kind.parameters, values);
+    }
+    EXPECT_GT(accepted, 0) << kind.name;
     EXPECT_FALSE(kind.law.empty() || kind.purpose.empty()) << kind.name;
   }
 }
