@@ -31,9 +31,11 @@ class WorkspaceLimit final : public Effect {
   }
 
   EffectFacts facts() const override {
+    // Beyond both limits both push.
+    const double limits = half_m_.minCoeff() < kUnlimited && radius_m_ < kUnlimited ? 2 : 1;
     return {.inputs = {.velocity = damping_N_s_per_m_ > 0},
-            .stiffness_N_per_m = stiffness_N_per_m_,
-            .damping_N_s_per_m = damping_N_s_per_m_,
+            .stiffness_N_per_m = limits * stiffness_N_per_m_,
+            .damping_N_s_per_m = limits * damping_N_s_per_m_,
             .cost_ns = 10};
   }
 
