@@ -3,37 +3,20 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
+#include <optional>
 #include <random>
 #include <stdexcept>
 
 #include "forcebound/scene/registry.hpp"
 #include "tests/support/effect_probe.hpp"
+#include "tests/support/plain_values.hpp"
 
 namespace forcebound::scene {
 namespace {
 
-/// The presets, or 1 for a number that has none, or where `all` says so.
-Values values_for(const EffectKind& kind, bool all) {
-  Values values;
-  for (const Parameter& parameter : kind.parameters) {
-    if (const auto* number = std::get_if<NumberParameter>(&parameter)) {
-      values.set(number->key, number->preset && !all ? *number->preset : std::min(1.0, number->most));
-    } else if (const auto* point = std::get_if<PointParameter>(&parameter)) {
-      values.set(point->key, point->preset.value_or(Point::UnitY()));
-    } else {
-      values.set(key_of(parameter), std::string(std::get<ChoiceParameter>(parameter).choices.front()));
-    }
-  }
-  return values;
-}
-
-/// With its presets, unless some of them say that the scene must choose.
 std::unique_ptr<Effect> made(const EffectKind& kind) {
-  try {
-    return kind.make(values_for(kind, false));
-  } catch (const std::invalid_argument&) {
-    return kind.make(values_for(kind, true));
-  }
+  return kind.make(config::completed(kind.parameters, test::plain_values(kind)));
 }
 
 using config::Value;
@@ -161,15 +144,51 @@ TEST(AllEffects, AreNoSteeperThanTheyTellExplain) {
   }
 }
 
-TEST(AllEffects, SayWhichOfThemDrive) {
-  const Registry registry = Registry::standard();
-  for (const EffectKind& kind : registry.effects()) {
-    // Flow drives where there is a stream, as there is with a 1 for everything.
-    const bool drives = made(kind)->facts().drives;
-    const bool should =
-        kind.name == "drive" || kind.name == "vibration" || kind.name == "flow" || kind.name == "texture";
-    EXPECT_EQ(drives, should) << kind.name;
+struct Around {
+  double center_m;  ///< along the normal of the surface: within it if below 0
+  double begin_rad;
+};
+
+/// Energy that it returns to a device moved once around a circle, a second long.
+double returned_J(const Effect& effect, const Around& circle) {
+  constexpr int kSteps = 1000;
+  constexpr double kRadius_m = 0.01;
+  constexpr double kStep_rad = 2 * std::numbers::pi / kSteps;
+  test::EffectProbe felt(effect);
+  double sum_J = 0;
+  std::optional<Probe> before;
+  Point before_N = Point::Zero();
+  for (int step = 0; step <= kSteps; ++step) {
+    const double angle_rad = circle.begin_rad + step * kStep_rad;
+    const Point along(std::cos(angle_rad), std::sin(angle_rad), 0);
+    Probe probe = probe_at(circle.center_m * Point::UnitX() + kRadius_m * along,
+                           2 * std::numbers::pi * kRadius_m * Point(-along.y(), along.x(), 0));
+    probe.time_s = 1e-3 * step;
+    probe.handle.buttons = 1;
+    const Point now_N = felt(probe).force_N;
+    if (before) sum_J += (before_N + now_N).dot(probe.position_m - before->position_m) / 2;
+    before = probe;
+    before_N = now_N;
   }
+  return sum_J;
+}
+
+TEST(AllEffects, DriveIfTheyReturnEnergyAroundACircle) {
+  const Registry registry = Registry::standard();
+  int driving = 0;
+  for (const EffectKind& kind : registry.effects()) {
+    const auto effect = made(kind);
+    double most_J = 0;
+    for (const double center_m : {-0.02, 0.02}) {
+      for (const double begin_rad : {0.0, 1.5, 3.0, 4.5}) {
+        most_J = std::max(most_J, returned_J(*effect, {center_m, begin_rad}));
+      }
+    }
+    if (most_J < 1e-6) continue;
+    ++driving;
+    EXPECT_TRUE(effect->facts().drives) << kind.name << " returns " << most_J << " J";
+  }
+  EXPECT_GE(driving, 2) << "drive and vibration";
 }
 
 }  // namespace
