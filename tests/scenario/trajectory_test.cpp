@@ -1,3 +1,4 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,15 +9,18 @@
 #include <cstdio>
 #include <cstring>
 #include <memory>
+#include <set>
 #include <span>
 #include <stdexcept>
 #include <string>
 
+#include "forcebound/baselines/baselines.hpp"
 #include "forcebound/device/load_device.hpp"
 #include "forcebound/record/tick_record.hpp"
 #include "forcebound/server/environment/scene_library.hpp"
 #include "forcebound/server/environment/scene_parser.hpp"
 #include "tests/support/hand_on_surface.hpp"
+#include "tests/support/scene_files.hpp"
 #include "tests/tools/sim/closed_loop.hpp"
 
 // A run in virtual time has the same digits whatever has compiled it: one hash for each scene and each law, for g++ and
@@ -147,15 +151,30 @@ constexpr Run kRuns[] = {
     {"sphere", "fba-more", "66dff000e0f02cad"},
     {"sphere", "aol", "7e5db06d82668d97"},
     {"sphere", "eba", "f402a433a8c140c3"},
+    {"sphere", "iss", "bf9a44a281b67008"},
     {"sphere", "mbpa", "9055266ddc32ba69"},
     {"sphere", "pspm", "4cb3814ee20a9b7f"},
     {"sphere", "sfa", "4b9552390dcae1f1"},
     {"sphere", "tdpa", "18ddf238ca99e05a"},
     {"sphere", "tdpa-2port", "9514b90d3981a439"},
+    {"sphere", "tdpa-er", "987264515a461bb8"},
+    {"sphere", "tdpa-priority", "6075b5c1f015b423"},
     {"sphere", "tla", "5c035d205bd2b0bb"},
     {"sphere", "vc", "6d3d7a771734553f"},
     {"sphere", "wave", "8ea651dc8047008c"},
 };
+
+TEST(Trajectories, AreOfEverySceneAndEveryLawThatShip) {
+  std::set<std::string> scenes;
+  std::set<std::string> laws;
+  for (const auto& run : kRuns) {
+    scenes.insert(run.scene);
+    laws.insert(run.law);
+  }
+  EXPECT_THAT(scenes, testing::ElementsAreArray(test::scene_files()));
+  EXPECT_THAT(laws, testing::UnorderedElementsAreArray(baselines::shipped_laws().names()));
+}
+
 INSTANTIATE_TEST_SUITE_P(Scenes, Trajectory, testing::ValuesIn(kRuns), name_of);
 
 }  // namespace

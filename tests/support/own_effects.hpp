@@ -45,6 +45,17 @@ class NearEffect final : public scene::Effect {
   [[nodiscard]] scene::EffectFacts facts() const override { return {.state_bytes = sizeof(double), .reach_m = 0.01}; }
 };
 
+/// Steeper than a drive that ships: pulls away from z = 0 with 1000 N/m and 1 N along x, and fades without a server.
+class LeverEffect final : public scene::Effect {
+ public:
+  void act(const scene::Probe& probe, std::byte*, scene::Reaction& reaction) const noexcept override {
+    reaction.force_N += scene::Point(1, 0, 1000 * probe.position_m.z());
+  }
+  [[nodiscard]] scene::EffectFacts facts() const override {
+    return {.stiffness_N_per_m = 1000, .drives = true, .fades_without_server = true};
+  }
+};
+
 template <class Effect>
 scene::EffectKind own_effect(std::string_view name, scene::EffectPlace place) {
   return {.name = name, .purpose = "for tests", .law = "its own", .place = place, .make = [](const scene::Values&) {
@@ -52,10 +63,12 @@ scene::EffectKind own_effect(std::string_view name, scene::EffectPlace place) {
           }};
 }
 
-/// A scene of three axes with these parts; `clock`, `pressed` and `near` are registered beside the shipped effects.
+/// A scene of three axes with these parts; `clock`, `lever`, `pressed` and `near` are registered beside the shipped
+/// effects.
 inline std::shared_ptr<const scene::Scene> scene_with_own_effects(const std::string& parts) {
   scene::Registry registry = scene::Registry::standard();
   registry.add(own_effect<ClockEffect>("clock", scene::EffectPlace::space));
+  registry.add(own_effect<LeverEffect>("lever", scene::EffectPlace::space));
   registry.add(own_effect<PressedEffect>("pressed", scene::EffectPlace::surface));
   registry.add(own_effect<NearEffect>("near", scene::EffectPlace::surface));
   return server::parse_scene("[scene]\nname = 'own'\ndescription = ''\ndegrees_of_freedom = 3\n" + parts, "own.toml",

@@ -53,6 +53,7 @@ std::string words(const PointParameter& point) {
   if (!point.accepted.empty()) return std::string(point.accepted);
   if (point.is_direction) return "a direction";
   if (point.each.whole) return "a list of whole numbers " + bounds_text(point.each);
+  if (point.each.least == -point.each.most && has_bounds(point.each)) return "a point " + bounds_text(point.each);
   return has_bounds(point.each) ? "a list of numbers, each " + range_text(point.each) : "a point";
 }
 

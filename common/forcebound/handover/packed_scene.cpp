@@ -203,7 +203,7 @@ class ManifestWriter {
     }
     for (const scene::SceneDynamicModel& model : scene.dynamic_models()) {
       if (scene.rendering_of_part(part++).how != scene::Rendering::at_client) continue;
-      add(*dynamic_cast<const scene::RunsAtClient&>(*model.dynamic_model).part_at_client(), model.name);
+      add(dynamic_cast<const scene::RunsAtClient&>(*model.dynamic_model).part_at_client(), model.name);
     }
   }
 

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <optional>
-
 #include "forcebound/scene/part.hpp"
 
 namespace forcebound::scene {
@@ -12,9 +10,12 @@ class RunsAtClient {
  public:
   virtual ~RunsAtClient() = default;
 
-  /// The object, of shapes and effects that every client makes of what it is handed (handover). None: it takes more
-  /// than a client gives. Allocates.
-  [[nodiscard]] virtual std::optional<PartDescription> part_at_client() const = 0;
+  /// Whether it takes no more than a client gives.
+  [[nodiscard]] virtual bool fits_client() const noexcept = 0;
+
+  /// The object, of shapes and effects that every client makes of what it is handed (handover). Only where it fits.
+  /// Allocates, as much as its geometry.
+  [[nodiscard]] virtual PartDescription part_at_client() const = 0;
 };
 
 }  // namespace forcebound::scene

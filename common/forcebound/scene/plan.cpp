@@ -39,11 +39,9 @@ void Plan::add_effects(const SceneObject& part, Wanted wanted) {
   for (const RequestedEffect& requested : part.effects) {
     const EffectFacts facts = requested.effect->facts();
     if (!wanted(facts)) continue;
-    // A force with a slope over depth or place is of something that is there, a texture's too.
-    const bool drives = (facts.drives || facts.pushes_on) && facts.stiffness_N_per_m == 0;
-    effects_.push_back({requested.effect.get(), keep(facts.state_bytes), drives});
+    effects_.push_back({requested.effect.get(), keep(facts.state_bytes), facts.fades_without_server});
     inputs_ = inputs_.with(facts.inputs);
-    drives_ = drives_ || drives;
+    fades_without_server_ = fades_without_server_ || facts.fades_without_server;
   }
 }
 

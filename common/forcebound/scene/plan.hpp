@@ -33,7 +33,7 @@ struct SceneObject {
 struct PlannedEffect {
   const Effect* effect;
   std::uint32_t state;  ///< where its state begins in a session's bytes
-  bool drives;          ///< see Plan::drives
+  bool fades_without_server;
 };
 
 /// One object or field. Its effects follow each other in the flat list: up to `near_end` those that also act above the
@@ -67,9 +67,8 @@ class Plan {
   /// The inputs that any effect uses.
   [[nodiscard]] const Inputs& inputs() const noexcept { return inputs_; }
 
-  /// Whether any effect pushes without end: an energy source that does not stand still, as the ripples of a texture do,
-  /// or a force that is the same everywhere but for the weight of what is in the hand.
-  [[nodiscard]] bool drives() const noexcept { return drives_; }
+  /// Whether any effect does.
+  [[nodiscard]] bool fades_without_server() const noexcept { return fades_without_server_; }
 
   /// Bytes of state for each session.
   [[nodiscard]] std::size_t state_bytes() const noexcept { return state_bytes_; }
@@ -83,7 +82,7 @@ class Plan {
   std::vector<PlanStep> steps_;
   std::vector<PlannedEffect> effects_;
   Inputs inputs_;
-  bool drives_ = false;
+  bool fades_without_server_ = false;
   std::size_t state_bytes_ = 0;
 };
 

@@ -22,7 +22,7 @@ Scene::Scene(SceneFacts facts, SceneParts parts, AutoAccuracy accuracy)
     inputs_ = inputs_.with(dynamic_model.dynamic_model->facts().inputs);
     // What clients share, or is more than one gives, stays with the server.
     const auto* const runs = dynamic_cast<const RunsAtClient*>(dynamic_model.dynamic_model.get());
-    const bool at_client = runs != nullptr && !facts_.shared && runs->part_at_client();
+    const bool at_client = runs != nullptr && !facts_.shared && runs->fits_client();
     renderings_.push_back(at_client ? PartRendering{Rendering::at_client, {}}
                                     : rendering_of(*dynamic_model.dynamic_model));
   }

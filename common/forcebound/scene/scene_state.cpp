@@ -108,7 +108,7 @@ Answer SceneState::answer(const Vector& position, Nanoseconds device_time, Nanos
   answer.force = in_device_rows(total_N);
   const Vector server_parts = in_device_rows(server_parts_N);
   if (!server_parts.isZero(0)) answer.server_parts_N = server_parts;
-  if (plan.drives()) answer.driving_N = in_device_rows(driving_N);
+  if (plan.fades_without_server()) answer.driving_N = in_device_rows(driving_N);
   return answer;
 }
 
@@ -242,7 +242,7 @@ void SceneState::run(std::uint32_t begin, std::uint32_t end, const Probe& probe,
     const PlannedEffect& planned = scene_->plan().effects()[i];
     const Point others_N = reaction.force_N;
     planned.effect->act(probe, bytes_.data() + planned.state, reaction);
-    if (planned.drives) reaction.driving_N += reaction.force_N - others_N;
+    if (planned.fades_without_server) reaction.driving_N += reaction.force_N - others_N;
   }
 }
 

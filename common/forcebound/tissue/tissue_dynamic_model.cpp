@@ -126,9 +126,13 @@ std::unique_ptr<scene::DynamicModelState> TissueDynamicModel::make_state(int sea
   return std::make_unique<CorotationalTissueWorld>(std::get<CorotationalTissue>(law_), seats);
 }
 
-std::optional<scene::PartDescription> TissueDynamicModel::part_at_client() const {
+bool TissueDynamicModel::fits_client() const noexcept {
   const auto* linear = std::get_if<TissueModel>(&law_);
-  return linear != nullptr ? tissue_part(*linear, held_nodes_, set_up_s_) : std::nullopt;
+  return linear != nullptr && tissue::fits_client(*linear, set_up_s_);
+}
+
+scene::PartDescription TissueDynamicModel::part_at_client() const {
+  return tissue_part(std::get<TissueModel>(law_), held_nodes_);
 }
 
 scene::DynamicModelFacts TissueDynamicModel::facts() const {

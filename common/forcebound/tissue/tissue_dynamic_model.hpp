@@ -40,8 +40,9 @@ class TissueDynamicModel final : public scene::DynamicModel, public scene::RunsA
   [[nodiscard]] std::unique_ptr<scene::DynamicModelState> make_state(int seats) const override;
   [[nodiscard]] scene::DynamicModelFacts facts() const override;
 
-  /// None under large motion either: the client's step would take too long.
-  [[nodiscard]] std::optional<scene::PartDescription> part_at_client() const override;
+  /// Never under large motion: the client's step would take too long.
+  [[nodiscard]] bool fits_client() const noexcept override;
+  [[nodiscard]] scene::PartDescription part_at_client() const override;
 
  private:
   using Law = std::variant<TissueModel, CorotationalTissue>;

@@ -127,17 +127,18 @@ scene::ShapeKind tissue_shape() {
           .make = [](const config::Values& values, const scene::ShapePurpose&) { return make_tissue(values); }};
 }
 
-std::optional<scene::PartDescription> tissue_part(const TissueModel& model, const std::vector<int>& held_nodes,
-                                                  double set_up_s) {
+bool fits_client(const TissueModel& model, double set_up_s) noexcept {
+  const LinearTissue& tissue = model.tissue();
+  const auto compliance = static_cast<std::size_t>(tissue.compliance_m_per_N().size());
+  return tissue.mesh().tetrahedra().size() <= kShapeTetrahedraMost && compliance <= kShapeBytesMost / sizeof(double) &&
+         set_up_s <= kShapeSetUpMost_s && model.step_ns() <= kShapeStepMost_ns &&
+         model.options().contact_stiffness_N_per_m <= kStiffest_N_per_m && tissue.material().young_Pa <= kStiffest_Pa;
+}
+
+scene::PartDescription tissue_part(const TissueModel& model, const std::vector<int>& held_nodes) {
   const LinearTissue& tissue = model.tissue();
   const TetrahedralMesh& mesh = tissue.mesh();
   const double stiffness_N_per_m = model.options().contact_stiffness_N_per_m;
-  const auto compliance = static_cast<std::size_t>(tissue.compliance_m_per_N().size());
-  const bool fits = mesh.tetrahedra().size() <= kShapeTetrahedraMost &&
-                    compliance <= kShapeBytesMost / sizeof(double) && set_up_s <= kShapeSetUpMost_s &&
-                    model.step_ns() <= kShapeStepMost_ns && stiffness_N_per_m <= kStiffest_N_per_m &&
-                    tissue.material().young_Pa <= kStiffest_Pa;
-  if (!fits) return std::nullopt;
   config::Rows held;
   for (const int node : held_nodes) held.push_back({static_cast<double>(node)});
   return scene::PartDescription{

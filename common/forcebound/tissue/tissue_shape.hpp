@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "forcebound/scene/part.hpp"
@@ -22,10 +21,12 @@ inline constexpr double kShapeStepMost_ns = 200e3;                     ///< pred
 /// scene knows it.
 [[nodiscard]] scene::ShapeKind tissue_shape();
 
-/// The object, without a name; none: it takes more than the bounds above.
-/// @param held_nodes of the mesh
+/// Whether it takes no more than the bounds above.
 /// @param set_up_s predicted
-[[nodiscard]] std::optional<scene::PartDescription> tissue_part(const TissueModel& model,
-                                                                const std::vector<int>& held_nodes, double set_up_s);
+[[nodiscard]] bool fits_client(const TissueModel& model, double set_up_s) noexcept;
+
+/// The object, without a name.
+/// @param held_nodes of the mesh
+[[nodiscard]] scene::PartDescription tissue_part(const TissueModel& model, const std::vector<int>& held_nodes);
 
 }  // namespace forcebound::tissue

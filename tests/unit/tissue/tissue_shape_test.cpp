@@ -16,16 +16,17 @@ namespace {
 
 using testing::HasSubstr;
 
-scene::PartDescription part_of(double radius_m, bool large_motion = false) {
+TissueDynamicModel block_of(double radius_m, bool large_motion = false) {
   TetrahedralMesh mesh(test::tetrahedra_of(test::kThickBlock));
   std::vector<int> held = nodes_below(mesh, scene::Point::Zero(), scene::Point::UnitZ());
-  const TissueDynamicModel model({.mesh = std::move(mesh),
-                                  .material = test::kSoft,
-                                  .held_nodes = std::move(held),
-                                  .probe = {.radius_m = radius_m, .contact_stiffness_N_per_m = 1000},
-                                  .large_motion = large_motion});
-  return model.part_at_client().value_or(scene::PartDescription{});
+  return TissueDynamicModel({.mesh = std::move(mesh),
+                             .material = test::kSoft,
+                             .held_nodes = std::move(held),
+                             .probe = {.radius_m = radius_m, .contact_stiffness_N_per_m = 1000},
+                             .large_motion = large_motion});
 }
+
+scene::PartDescription part_of(double radius_m) { return block_of(radius_m).part_at_client(); }
 
 std::unique_ptr<scene::Shape> made(const config::Values& values) {
   const scene::ShapeKind kind = tissue_shape();
@@ -51,8 +52,16 @@ config::Rows rows_with(std::string_view key, double value) {
 }
 
 TEST(TissueShape, IsNotMadeOfWhatBendsFar) {
-  EXPECT_TRUE(part_of(0).shape);
-  EXPECT_FALSE(part_of(0, true).shape);
+  EXPECT_TRUE(block_of(0).fits_client());
+  EXPECT_FALSE(block_of(0, true).fits_client());
+}
+
+TEST(TissueShape, SaysWithoutBeingMadeThatItFitsAClient) {
+  FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
+  const TissueDynamicModel model = block_of(0.01);
+  const test::AllocationGuard guard;
+  EXPECT_TRUE(model.fits_client());
+  EXPECT_EQ(guard.heap_operations(), 0U);
 }
 
 TEST(TissueShape, DoesNotAllocateAsItIsSlidOver) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "forcebound/scene/geometry/shape.hpp"
+
 namespace forcebound::scene {
 namespace {
 
@@ -59,9 +61,10 @@ EffectKind attractor_effect() {
           .purpose = "pulls toward a point",
           .law = "linear: f = -e F min(r/R, 1); inverse_square: f = -e F (3 sqrt(3)/2) (r/R) / (1 + (r/R)^2)^(3/2)",
           .place = EffectPlace::space,
-          .parameters = {PointParameter{.key = "center_m", .meaning = "where it pulls to"},
+          .parameters = {place_parameter("center_m", "where it pulls to"),
                          NumberParameter{.key = "force_N_max", .meaning = "F, the most", .least = 0, .most = 1e6},
-                         positive_number("radius_m", "R, within which it softens", 1e6),
+                         NumberParameter{
+                             .key = "radius_m", .meaning = "R, within which it softens", .least = 1e-6, .most = 1e6},
                          ChoiceParameter{.key = "falloff",
                                          .meaning = "how the pull depends on the distance r",
                                          .choices = {"linear", "inverse_square"}}},

@@ -9,7 +9,7 @@ class ConstantForce final : public Effect {
 
   void act(const Probe&, std::byte*, Reaction& reaction) const noexcept override { reaction.force_N += force_N_; }
 
-  EffectFacts facts() const override { return {.pushes_on = true, .cost_ns = 2}; }
+  EffectFacts facts() const override { return {.fades_without_server = true, .cost_ns = 2}; }
 
  private:
   Point force_N_;
@@ -22,7 +22,8 @@ EffectKind constant_force_effect() {
           .purpose = "the same force everywhere and always",
           .law = "f = force_N",
           .place = EffectPlace::space,
-          .parameters = {PointParameter{.key = "force_N", .meaning = "on the device"}},
+          .parameters = {PointParameter{
+              .key = "force_N", .meaning = "on the device", .each = {.least = -1e6, .most = 1e6}}},
           .make = [](const Values& values) { return std::make_unique<ConstantForce>(values.point("force_N")); }};
 }
 

@@ -60,7 +60,9 @@ class Drive final : public Effect {
     reaction.force_N += wave_(cycles - std::floor(cycles), duty_) * amplitude_N_;
   }
 
-  EffectFacts facts() const override { return {.inputs = {.time = true}, .drives = true, .cost_ns = 20}; }
+  EffectFacts facts() const override {
+    return {.inputs = {.time = true}, .drives = true, .fades_without_server = true, .cost_ns = 20};
+  }
 
  private:
   Wave wave_;
@@ -83,7 +85,7 @@ std::vector<Parameter> parameters() {
           positive_number("frequency_end_Hz", "f1, of a chirp, at its end", 1e6, kNotGiven),
           NumberParameter{.key = "phase_rad", .meaning = "phase at t0", .preset = 0, .least = -1e6, .most = 1e6},
           NumberParameter{.key = "start_s", .meaning = "t0, after the first motion", .preset = 0, .least = 0},
-          positive_number("duration_s", "D, duration", kForever, kForever),
+          NumberParameter{.key = "duration_s", .meaning = "D, duration", .preset = kForever, .least = 1e-6},
           positive_number("duty", "share of the period for which a square or pulse is on", 1, kDutyPreset)};
 }
 

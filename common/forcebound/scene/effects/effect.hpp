@@ -60,7 +60,7 @@ struct Texture {
 struct Reaction {
   Point force_N = Point::Zero();  ///< on the device, scene frame
   Texture texture{};
-  Point driving_N = Point::Zero();  ///< of it, that of effects that drive (Plan::drives); not for effects to set
+  Point driving_N = Point::Zero();  ///< of it, that of effects that fade without a server; not for effects to set
 };
 
 /// Facts of an effect with the scene's parameters, for the plan and for `--explain`.
@@ -72,8 +72,12 @@ struct EffectFacts {
   double stiffening_N_per_m2 = 0;  ///< increase of K per metre of depth
   double damping_N_s_per_m = 0;    ///< B, largest slope of the force over velocity
   bool drives = false;             ///< an energy source: no damping makes it passive
-  bool pushes_on = false;          ///< none, but pushes on wherever the device goes: to fade without a server, as one
-  double cost_ns = 5;              ///< estimate for one motion
+
+  /// Whether its force fades while the server is silent, where a client renders it: so should what moves the device on
+  /// and on. What is felt as a thing that is there stays: a surface with its ripples, a spring, a weight.
+  bool fades_without_server = false;
+
+  double cost_ns = 5;  ///< estimate for one motion
 };
 
 /// The law of one effect of an object or field: motion in, force out. One file per effect.

@@ -18,11 +18,13 @@ class Flow final : public Effect {
   }
 
   EffectFacts facts() const override {
+    const bool streams = !velocity_m_per_s_.isZero(0);
     return {
         .inputs = {.velocity = true},
         // The drag's slope grows with the speed: that of a fast hand against the stream.
         .damping_N_s_per_m = damping_N_s_per_m_ + 2 * drag_N_s2_per_m2_ * (velocity_m_per_s_.norm() + kHand_m_per_s),
-        .drives = !velocity_m_per_s_.isZero(0),
+        .drives = streams,
+        .fades_without_server = streams,
         .cost_ns = 8};
   }
 
@@ -40,7 +42,8 @@ EffectKind flow_effect() {
           .law = "f = B u + C |u| u, u = w - v",
           .place = EffectPlace::space,
           .parameters =
-              {PointParameter{.key = "velocity_m_per_s", .meaning = "w, of the fluid"},
+              {PointParameter{
+                   .key = "velocity_m_per_s", .meaning = "w, of the fluid", .each = {.least = -1e3, .most = 1e3}},
                NumberParameter{.key = "damping_N_s_per_m", .meaning = "B, linear drag", .least = 0, .most = 1e6},
                NumberParameter{
                    .key = "drag_N_s2_per_m2", .meaning = "C, quadratic drag", .preset = 0, .least = 0, .most = 1e6}},

@@ -30,7 +30,10 @@ EffectKind magnet_effect() {
           .purpose = "draws the point to the surface from a distance",
           .law = "f = -n F 27/4 s (1 - s)^2, s = distance above / range",
           .parameters = {positive_number("force_N_max", "F, at a third of the range", 1e6),
-                         positive_number("range_m", "distance above the surface at which it ends", 1e3)},
+                         NumberParameter{.key = "range_m",
+                                         .meaning = "distance above the surface at which it ends",
+                                         .least = 1e-6,
+                                         .most = 1e3}},
           .make = [](const Values& values) { return std::make_unique<Magnet>(values); }};
 }
 

@@ -1,6 +1,7 @@
 #include "forcebound/scene/effects/spring_to_line.hpp"
 
 #include "forcebound/scene/effects/guide_spring.hpp"
+#include "forcebound/scene/geometry/shape.hpp"
 
 namespace forcebound::scene {
 namespace {
@@ -35,7 +36,7 @@ EffectKind spring_to_line_effect() {
       .law = "f = -(o/e) min(K s, F) - min(B, F/|w|) w while s = e - R > 0; o, w = x - c, v across the line; e = |o|",
       .place = EffectPlace::space,
       .parameters = GuideSpring::parameters(
-          {PointParameter{.key = "through_m", .meaning = "c, on the line"},
+          {place_parameter("through_m", "c, on the line"),
            PointParameter{.key = "direction", .meaning = "a, along the line", .is_direction = true}}),
       .make = [](const Values& values) { return std::make_unique<SpringToLine>(values); }};
 }

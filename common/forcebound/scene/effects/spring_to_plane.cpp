@@ -1,6 +1,7 @@
 #include "forcebound/scene/effects/spring_to_plane.hpp"
 
 #include "forcebound/scene/effects/guide_spring.hpp"
+#include "forcebound/scene/geometry/shape.hpp"
 
 namespace forcebound::scene {
 namespace {
@@ -32,7 +33,7 @@ EffectKind spring_to_plane_effect() {
           .law = "f = -(o/e) min(K s, F) - min(B, F/|w|) w while s = e - R > 0; o, w = x - c, v along n; e = |o|",
           .place = EffectPlace::space,
           .parameters = GuideSpring::parameters(
-              {PointParameter{.key = "through_m", .meaning = "c, on the plane"},
+              {place_parameter("through_m", "c, on the plane"),
                PointParameter{.key = "normal", .meaning = "n, of the plane", .is_direction = true}}),
           .make = [](const Values& values) { return std::make_unique<SpringToPlane>(values); }};
 }

@@ -1,6 +1,7 @@
 #include "forcebound/scene/effects/spring_to_point.hpp"
 
 #include "forcebound/scene/effects/guide_spring.hpp"
+#include "forcebound/scene/geometry/shape.hpp"
 
 namespace forcebound::scene {
 namespace {
@@ -27,7 +28,7 @@ EffectKind spring_to_point_effect() {
           .purpose = "holds the device at a point",
           .law = "f = -(o/e) min(K s, F) - min(B, F/|v|) v while s = e - R > 0; o = x - c, e = |o|",
           .place = EffectPlace::space,
-          .parameters = GuideSpring::parameters({PointParameter{.key = "center_m", .meaning = "c, where it holds"}}),
+          .parameters = GuideSpring::parameters({place_parameter("center_m", "c, where it holds")}),
           .make = [](const Values& values) { return std::make_unique<SpringToPoint>(values); }};
 }
 

@@ -20,7 +20,9 @@ class Vibration final : public Effect {
     reaction.force_N += amplitude_N_ * value * (along_normal_ ? probe.normal : axis_);
   }
 
-  EffectFacts facts() const override { return {.inputs = {.time = true}, .drives = true, .cost_ns = 15}; }
+  EffectFacts facts() const override {
+    return {.inputs = {.time = true}, .drives = true, .fades_without_server = true, .cost_ns = 15};
+  }
 
  private:
   double amplitude_N_;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "forcebound/scene/geometry/shape.hpp"
+
 namespace forcebound::scene {
 namespace {
 
@@ -16,7 +18,6 @@ class WorkspaceLimit final : public Effect {
         radius_m_(values.number("radius_m")),
         stiffness_N_per_m_(values.number("stiffness_N_per_m")),
         damping_N_s_per_m_(values.number("damping_N_s_per_m")) {
-    if (half_m_.minCoeff() < 0) throw std::invalid_argument("size_m must be >= 0 on every axis");
     if (half_m_.minCoeff() == kUnlimited && radius_m_ == kUnlimited) {
       throw std::invalid_argument("'radius_m' or 'size_m' is missing: one of them at least is needed");
     }
@@ -30,9 +31,11 @@ class WorkspaceLimit final : public Effect {
   }
 
   EffectFacts facts() const override {
+    // Beyond both limits both push.
+    const double limits = half_m_.minCoeff() < kUnlimited && radius_m_ < kUnlimited ? 2 : 1;
     return {.inputs = {.velocity = damping_N_s_per_m_ > 0},
-            .stiffness_N_per_m = stiffness_N_per_m_,
-            .damping_N_s_per_m = damping_N_s_per_m_,
+            .stiffness_N_per_m = limits * stiffness_N_per_m_,
+            .damping_N_s_per_m = limits * damping_N_s_per_m_,
             .cost_ns = 10};
   }
 
@@ -62,11 +65,12 @@ EffectKind workspace_limit_effect() {
           .law = "f = -n max(0, K d + B v.n) while the distance outside d > 0",
           .place = EffectPlace::space,
           .parameters =
-              {PointParameter{.key = "center_m", .meaning = "of the region"},
+              {place_parameter("center_m", "of the region"),
                positive_number("radius_m", "of a ball", kUnlimited, kUnlimited),
                PointParameter{.key = "size_m",
                               .meaning = "of a block along the axes, edge to edge",
-                              .preset = Point::Constant(kUnlimited)},
+                              .preset = Point::Constant(kUnlimited),
+                              .each = {.least = 0}},
                positive_number("stiffness_N_per_m", "K", 1e9),
                NumberParameter{
                    .key = "damping_N_s_per_m", .meaning = "B, along the normal", .preset = 0, .least = 0, .most = 1e6}},

@@ -50,11 +50,11 @@ void expect_encryption(const KeyOptions& keys, const net::Address& address) {
       "keys), or --insecure for a network in which everybody is trusted");
 }
 
-std::optional<ServerKeys> read_keys(const KeyOptions& keys) {
+std::optional<ServerKeys> read_keys(const KeyOptions& keys, const std::vector<std::string>& scenes) {
   if (!keys.any()) return std::nullopt;
   ServerKeys read;
   if (!keys.key.empty()) read.own = security::read_key_pair(keys.key);
-  if (!keys.clients.empty()) read.clients = security::AllowedClients::from_file(keys.clients, keys.scenes);
+  if (!keys.clients.empty()) read.clients = security::AllowedClients::from_file(keys.clients, scenes);
   if (!keys.psk.empty()) read.shared = security::read_shared_key(keys.psk);
   return read;
 }

@@ -19,7 +19,6 @@ struct KeyOptions {
   std::string clients{};  ///< of the clients that are let in
   std::string psk{};      ///< of the key that all share
   bool insecure = false;
-  std::vector<std::string> scenes{};  ///< no option: those that the server has, which `clients` may name; empty: any
 
   [[nodiscard]] bool any() const noexcept { return !key.empty() || !psk.empty(); }
 };
@@ -34,8 +33,9 @@ void expect_bounds(const KeyOptions& keys);
 void expect_encryption(const KeyOptions& keys, const net::Address& address);
 
 /// The keys in the files; nothing: sessions in the clear.
+/// @param scenes that the list of clients may name; empty: any
 /// @throws config::ConfigError in one line
-[[nodiscard]] std::optional<ServerKeys> read_keys(const KeyOptions& keys);
+[[nodiscard]] std::optional<ServerKeys> read_keys(const KeyOptions& keys, const std::vector<std::string>& scenes = {});
 
 /// "encrypted: IKpsk2, public key ...", "not encrypted: this machine only"
 [[nodiscard]] std::string encryption_in_words(const KeyOptions& keys, const std::optional<ServerKeys>& read);

@@ -106,15 +106,31 @@ void ask_for_scheduling() {
       std::strerror(refused), kPriority);
 }
 
+/// What clients can request, and what those get that request nothing.
+struct Offer {
+  EnvironmentLibrary environments{};
+  std::string name{};                 ///< of what is served by default
+  std::string simulated{};            ///< in a line
+  std::string choice{};               ///< before that, in recordings
+  std::unique_ptr<LedRobot> robot{};  ///< null: a scene
+};
+
+/// All that a client can be allowed.
+std::vector<std::string> names_in(const Offer& offer) {
+  std::vector<std::string> names = offer.environments.scenes().all_names();
+  if (offer.robot) names.push_back(offer.name);
+  return names;
+}
+
 /// The file of clients again; the one before stays where it cannot be read.
-void reload(ServerWorkers& server, const ProgramOptions& options) {
+void reload(ServerWorkers& server, const ProgramOptions& options, const Offer& offer) {
   if (options.keys.clients.empty()) {
     spdlog::warn("nothing to read again: there is no --clients");
     return;
   }
   std::optional<security::AllowedClients> clients;
   try {
-    clients = security::AllowedClients::from_file(options.keys.clients, options.keys.scenes);
+    clients = security::AllowedClients::from_file(options.keys.clients, names_in(offer));
   } catch (const std::exception& error) {
     spdlog::error("{}; the clients are those of before", error.what());
     return;
@@ -127,19 +143,19 @@ void reload(ServerWorkers& server, const ProgramOptions& options) {
   }
 }
 
-/// What runs beside the server, on its thread; null: it is not there.
+/// What runs beside the server and a robot, on its thread; null: it is not there.
 struct Beside {
   PageTurn* page = nullptr;
   FleetLink* fleet = nullptr;
-  LedRobot* robot = nullptr;
 };
 
 /// Serves until a signal or the fleet ends it, and then until all clients have left or the time for that is over.
 class Service {
  public:
-  Service(ServerWorkers& server, const Beside& beside, const ProgramOptions& options, const time::Clock& clock,
-          ServiceManager& manager)
+  Service(ServerWorkers& server, const Offer& offer, const Beside& beside, const ProgramOptions& options,
+          const time::Clock& clock, ServiceManager& manager)
       : server_(server),
+        offer_(offer),
         beside_(beside),
         options_(options),
         clock_(clock),
@@ -151,7 +167,7 @@ class Service {
       server_.turn();
       if (beside_.page != nullptr) beside_.page->turn(server_);
       if (beside_.fleet != nullptr) beside_.fleet->turn(server_.sessions());
-      if (beside_.robot != nullptr) attend(*beside_.robot);
+      if (offer_.robot) attend(*offer_.robot);
       if (server_.alive(clock_.now())) manager_.report_alive(clock_.now());
       if (reload_asked) reload_now();
       if (reloading_ && server_.settled()) report_reloaded();
@@ -166,7 +182,7 @@ class Service {
  private:
   bool over() {
     if (interrupted || terminations > 1) return true;
-    if (beside_.robot != nullptr && beside_.robot->is_lost()) return leader_told();
+    if (offer_.robot && offer_.robot->is_lost()) return leader_told();
     if (terminations == 0 && (beside_.fleet == nullptr || !beside_.fleet->over())) return false;
     if (options_.drain == Nanoseconds{0} || server_.sessions() == 0) return true;
     if (!drained_by_) begin_to_drain();
@@ -203,7 +219,7 @@ class Service {
   void reload_now() {
     reload_asked = false;
     ServiceManager::report_reloading();
-    reload(server_, options_);
+    reload(server_, options_, offer_);
     reloading_ = true;
   }
 
@@ -214,6 +230,7 @@ class Service {
   }
 
   ServerWorkers& server_;
+  const Offer& offer_;
   Beside beside_;
   const ProgramOptions& options_;
   const time::Clock& clock_;
@@ -223,15 +240,6 @@ class Service {
   std::optional<Nanoseconds> told_by_{};
   std::uint64_t told_with_ = 0;  ///< so many answers to all clients
   bool reloading_ = false;
-};
-
-/// What clients can request, and what those get that request nothing.
-struct Offer {
-  EnvironmentLibrary environments{};
-  std::string name{};                 ///< of what is served by default
-  std::string simulated{};            ///< in a line
-  std::string choice{};               ///< before that, in recordings
-  std::unique_ptr<LedRobot> robot{};  ///< null: a scene
 };
 
 /// @throws std::exception if scene or robot are not available
@@ -262,13 +270,6 @@ Offer make_offer(const ProgramOptions& options, const time::Clock& clock) {
     }
   }
   return offer;
-}
-
-/// All that a client can be allowed.
-std::vector<std::string> names_in(const Offer& offer) {
-  std::vector<std::string> names = offer.environments.scenes().all_names();
-  if (offer.robot) names.push_back(offer.name);
-  return names;
 }
 
 std::unique_ptr<LogObserver> make_observer(const ProgramOptions& options, const Offer& offer,
@@ -343,8 +344,7 @@ int serve(ProgramOptions options) {
   const time::SteadyClock clock;
   Offer offer = make_offer(options, clock);
   options.server.scene = offer.name;
-  options.keys.scenes = names_in(offer);
-  std::optional<ServerKeys> keys = read_keys(options.keys);
+  std::optional<ServerKeys> keys = read_keys(options.keys, names_in(offer));
   const std::string encryption = encryption_name(keys);
   const std::string encryption_words = encryption_in_words(options.keys, keys);
 
@@ -375,22 +375,22 @@ int serve(ProgramOptions options) {
 
   ServiceManager::report_ready("serving at " + net::to_string(server.address()));
 
-  const Beside beside{.page = page ? &*page : nullptr, .fleet = fleet ? &*fleet : nullptr, .robot = offer.robot.get()};
-  Service(server, beside, options, clock, manager).run();
+  const Beside beside{.page = page ? &*page : nullptr, .fleet = fleet ? &*fleet : nullptr};
+  Service(server, offer, beside, options, clock, manager).run();
   server.stop();
   fleet.reset();
-  if (beside.robot != nullptr) beside.robot->stop();
+  if (offer.robot) offer.robot->stop();
   std::cout << text::wrapped(totals(server, encryption), 2);
   if (server.overflowed() > 0) {
     std::cout << "socket: " << text::counted(server.overflowed(), "datagram") << " lost because it was full\n";
   }
   std::cout << std::flush;
-  if (beside.robot != nullptr) std::cout << text::wrapped(beside.robot->totals(), 4) << std::flush;
-  if (beside.robot != nullptr && beside.robot->is_lost()) {
+  if (offer.robot) std::cout << text::wrapped(offer.robot->totals(), 4) << std::flush;
+  if (offer.robot && offer.robot->is_lost()) {
     (void)observer->finish();
     spdlog::shutdown();
     // Its thread is in the driver, for ever.
-    std::_Exit(beside.robot->has_crashed() ? program::kDriverCrashed : program::kFailed);
+    std::_Exit(offer.robot->has_crashed() ? program::kDriverCrashed : program::kFailed);
   }
   return observer->finish() ? program::kDone : program::kOutputLost;
 }

@@ -62,7 +62,8 @@ std::string stability_text(const Ringing& part, const RingingDevice& device, con
   const std::string drives = "drives the device with energy of its own, which a law bounds and no damping does";
   const double needed = part.damping_needed_N_s_per_m(0);
   if (!(needed > 0)) return part.drives ? drives : "neither stiffness nor damping: nothing that could ring";
-  std::string text = "passive without a law on a device with damping above " + rounded(needed) + " N s/m";
+  std::string text = part.drives ? drives + "\n" + indent + "apart from that energy " : "";
+  text += "passive without a law on a device with damping above " + rounded(needed) + " N s/m";
   if (part.stiffening_N_per_m2 > 0) {
     text += ", " + rounded(part.damping_needed_N_s_per_m(0, kDeep_m)) + " at a depth of " + rounded(kDeep_m * 1e3) +
             " mm, the more the deeper";
@@ -76,7 +77,6 @@ std::string stability_text(const Ringing& part, const RingingDevice& device, con
     text += ", " + margin_text(part, device, device.round_trip_s) + " behind a round trip of " +
             rounded(device.round_trip_s * 1e3) + " ms";
   }
-  if (part.drives) text += "\n" + indent + drives;
   return text;
 }
 

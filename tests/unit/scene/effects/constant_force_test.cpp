@@ -26,10 +26,10 @@ TEST(ConstantForce, NeedsNoInputAndNoState) {
   EXPECT_EQ(facts.stiffness_N_per_m, 0);
 }
 
-TEST(ConstantForce, IsNoEnergySourceButPushesOn) {
+TEST(ConstantForce, IsNoEnergySourceButFadesWithoutServer) {
   const EffectFacts facts = constant_force_effect().make({{"force_N", Point(1, 0, 0)}})->facts();
   EXPECT_FALSE(facts.drives);
-  EXPECT_TRUE(facts.pushes_on);
+  EXPECT_TRUE(facts.fades_without_server);
 }
 
 }  // namespace

@@ -85,7 +85,10 @@ TEST(WorkspaceLimit, PushesInwardsFromEverywhere) {
 
 TEST(WorkspaceLimit, RefusesARegionWithoutLimitsOrOfNegativeSize) {
   EXPECT_THROW(limit({}), std::invalid_argument);
-  EXPECT_THROW(limit({.size_m = {0.1, -0.1, 0.1}}), std::invalid_argument);
+  EXPECT_THROW((void)config::completed(workspace_limit_effect().parameters, {{"center_m", Point(Point::Zero())},
+                                                                             {"size_m", Point(0.1, -0.1, 0.1)},
+                                                                             {"stiffness_N_per_m", 500.0}}),
+               config::ValueError);
 }
 
 }  // namespace

@@ -115,7 +115,7 @@ TEST(ServerOptionsOnKeys, ReadTheListOfClients) {
   EXPECT_NE(read->clients->find(security::public_key(7)), nullptr);
   EXPECT_FALSE(read->shared.has_value());
   text::write_file(clients, text::read_file(clients) + "scenes = [\"wal\"]\n");
-  EXPECT_THAT([&] { (void)read_keys({.key = key_file, .clients = clients, .scenes = {"wall"}}); },
+  EXPECT_THAT([&] { (void)read_keys({.key = key_file, .clients = clients}, {"wall"}); },
               ThrowsMessage<config::ConfigError>(AllOf(HasSubstr(clients + ":4: "), HasSubstr("no scene 'wal'"))));
 }
 

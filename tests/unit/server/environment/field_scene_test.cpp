@@ -3,13 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <map>
 #include <string>
 
 #include "forcebound/scene/scene_state.hpp"
 #include "forcebound/server/environment/body_models.hpp"
 #include "forcebound/server/environment/scene_library.hpp"
+#include "forcebound/text/numbers.hpp"
 #include "tests/support/allocation_guard.hpp"
+#include "tests/support/plain_values.hpp"
 #include "tests/support/scene_files.hpp"
 #include "tests/support/vector_of.hpp"
 
@@ -21,40 +22,22 @@ using std::chrono::milliseconds;
 /// What holds needs a button.
 const control::Handle kPressed{.buttons = 1};
 
-/// The parameters of each field; ZERO and ONE stand for points of the scene's axes.
-const std::map<std::string, std::string> kFields = {
-    {"grasp", "stiffness_N_per_m = 100, damping_N_s_per_m = 1"},
-    {"viscosity", "damping_N_s_per_m = 3"},
-    {"constant_force", "force_N = ONE"},
-    {"gravity", "mass_kg = 1, direction = ONE"},
-    {"flow", "velocity_m_per_s = ONE, damping_N_s_per_m = 3, drag_N_s2_per_m2 = 2"},
-    {"attractor", "center_m = ZERO, force_N_max = 2, radius_m = 0.1, falloff = 'inverse_square'"},
-    {"spring_to_point", "center_m = ZERO, stiffness_N_per_m = 100, damping_N_s_per_m = 1"},
-    {"spring_to_line", "through_m = ZERO, direction = ONE, stiffness_N_per_m = 100, damping_N_s_per_m = 1"},
-    {"spring_to_plane", "through_m = ZERO, normal = ONE, stiffness_N_per_m = 100, damping_N_s_per_m = 1"},
-    {"workspace_limit",
-     "center_m = ZERO, size_m = ONE, radius_m = 0.4, stiffness_N_per_m = 100, damping_N_s_per_m = 1"},
-    {"drive", "direction = ONE, amplitude_N = 1, frequency_Hz = 3"}};
-
-std::string replaced(std::string text, const std::string& word, const std::string& with) {
-  for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word)) {
-    text.replace(at, word.size(), with);
+/// `effects = [...]` with one effect and its table, on so many axes.
+std::string effect_text(const std::string& name, int axes) {
+  static const scene::Registry kRegistry = scene::Registry::standard();
+  const config::Values values = test::plain_values(*kRegistry.find_effect(name));
+  std::string table;
+  for (const auto& [key, value] : values.all()) {
+    table += (table.empty() ? "" : ", ") + key + " = ";
+    if (const auto* point = std::get_if<scene::Point>(&value)) table += config::to_text(*point, axes);
+    if (const auto* number = std::get_if<double>(&value)) table += text::to_text(*number);
   }
-  return text;
-}
-
-std::string point_text(const std::string& first, const std::string& others, int axes) {
-  std::string text = "[" + first;
-  for (int axis = 1; axis < axes; ++axis) text += ", " + others;
-  return text + "]";
+  return "effects = ['" + name + "']\n" + name + " = { " + table + " }\n";
 }
 
 std::shared_ptr<const scene::Scene> scene_of_field(const std::string& field, int axes) {
-  const std::string parameters =
-      replaced(replaced(kFields.at(field), "ZERO", point_text("0", "0", axes)), "ONE", point_text("1", "0.5", axes));
   return parse_scene("[scene]\nname = 'x'\ndescription = ''\ndegrees_of_freedom = " + std::to_string(axes) +
-                         "\n[[field]]\nname = 'x'\neffects = ['" + field + "']\n" + field + " = { " + parameters +
-                         " }\n",
+                         "\n[[field]]\nname = 'x'\n" + effect_text(field, axes),
                      "x.toml");
 }
 
@@ -65,7 +48,7 @@ TEST_P(EveryField, IsFiniteOnAnyAxesFromItsCentreToFarAway) {
     const auto device = static_cast<std::uint32_t>(axes == 3 ? 6 : axes);
     scene::SceneState state(scene_of_field(GetParam(), axes), device);
     milliseconds now{0};
-    for (const double far_m : {0.0, 0.0, 1e-300, 1e-9, 0.01, -0.3, 0.7, 1e3, -1e6, 1e9, 0.0}) {
+    for (const double far_m : {1.0, 1.0, 0.0, 1e-300, 1 + 1e-9, 1.01, -0.3, 0.7, 1e3, -1e6, 1e9, 1.0}) {
       control::Vector position = control::Vector::Zero(device);
       position.head(axes).setConstant(far_m);
       const scene::Answer answer = state.answer(position, now += milliseconds(7), {}, false, kPressed);
@@ -95,9 +78,8 @@ TEST_P(EveryField, IsFeltAlongTheAxesOfAScene) {
 TEST_P(EveryField, WithinAShapeIsZeroOutsideOfIt) {
   const std::string ball =
       "[scene]\nname = 'x'\ndescription = ''\ndegrees_of_freedom = 3\n[[object]]\nname = 'x'\n"
-      "shape = { kind = 'sphere', center_m = [1, 0, 0], radius_m = 0.5 }\neffects = ['" +
-      GetParam() + "']\n" + GetParam() + " = { " +
-      replaced(replaced(kFields.at(GetParam()), "ZERO", "[0, 0, 0]"), "ONE", "[1, 0.5, 0]") + " }\n";
+      "shape = { kind = 'sphere', center_m = [1, 0, 0], radius_m = 0.5 }\n" +
+      effect_text(GetParam(), 3);
   scene::SceneState state(parse_scene(ball, "x.toml"), 3);
   double felt_N = 0;
   for (int i = 0; i < 10; ++i) {
@@ -114,9 +96,11 @@ TEST_P(EveryField, WithinAShapeIsZeroOutsideOfIt) {
 }
 
 std::vector<std::string> fields_that_ship() {
+  const scene::Registry registry = scene::Registry::standard();
   std::vector<std::string> names;
-  names.reserve(kFields.size());
-  for (const auto& [name, parameters] : kFields) names.push_back(name);
+  for (const scene::EffectKind& kind : registry.effects()) {
+    if (kind.place == scene::EffectPlace::space) names.emplace_back(kind.name);
+  }
   return names;
 }
 

@@ -72,6 +72,15 @@ TEST(Plan, EffectsOfSpaceWithinAnObjectActOnlyThere) {
   EXPECT_EQ(client.at(-0.001)[0], 1);
 }
 
+TEST(Plan, SaysOfTheForceWhichPartFadesWithoutAServerAsItsEffectStates) {
+  const auto scene =
+      scene_with_own_effects(table("table", "'surface'") + "[[field]]\nname = 'x'\neffects = ['lever']\n");
+  SceneState state(scene, 3);
+  const Answer answer = state.answer(vector_of({0, 0, -0.001}), milliseconds{1});
+  EXPECT_NEAR((answer.force - vector_of({1, 0, 0})).norm(), 0, 1e-12) << "1 N out of the table, 1 N into it";
+  EXPECT_NEAR((answer.driving_N - vector_of({1, 0, -1})).norm(), 0, 1e-12);
+}
+
 TEST(Plan, EachClientHasAStateOfItsOwn) {
   const auto scene = scene_with_own_effects("[[field]]\nname = 'fog'\neffects = ['clock']\n");
   Client one(scene);
