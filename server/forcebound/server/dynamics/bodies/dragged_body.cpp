@@ -225,7 +225,7 @@ void DraggedBodies::look_ahead(const mjModel_& model, const mjData_& data, const
 
 std::optional<local_model::Mass> DraggedBodies::describe(const mjModel_& model, const mjData_& data,
                                                          const DraggedBody& dragged) noexcept {
-  recent_.update(data);
+  recent_.update(model, data);
   look_ahead(model, data, dragged);
   if (!mobility_.consider(model, data, {})) return std::nullopt;
   const scene::Point center_m = Eigen::Map<const scene::Point>(data.xipos + 3 * dragged.body);
