@@ -14,6 +14,8 @@ using client::commands::identify::KnownMass;
 using device::Matrix;
 using device::Vector;
 
+constexpr double kGainShare = 0.1;  // of motors, as a data sheet has it
+
 double between(sim::Draw& draw, double low, double high) { return low * std::exp(draw.share() * std::log(high / low)); }
 
 /// One axis as felt at the tip.
@@ -80,7 +82,7 @@ HiddenDevice draw_hidden_device(std::uint64_t seed) {
   facts.hold_s_max = draw.number(2e-3, 8e-3);
   facts.releases = !draw.chance(0.1);
   hidden.flaws = {.seed = draw.seed(),
-                  .torque_gain_share = {-0.1, 0.1},
+                  .torque_gain_share = {-kGainShare, kGainShare},
                   .releases_reported = draw.chance(0.5),
                   .effects_reported = draw.chance(0.3)};
   return hidden;
@@ -95,6 +97,7 @@ control::DeviceFacts declared_facts(const HiddenDevice& hidden) {
   declared.period_s = truth.period_s;
   declared.force_N_max = truth.force_N_max;
   declared.damping = Matrix::Identity(dof, dof) * 1e-6;
+  declared.uncertainty.torque_gain_share = {-kGainShare, kGainShare};
   declared.friction = declared.encoder_step = declared.actuator_step = Vector::Zero(dof);
   return declared;
 }

@@ -20,7 +20,8 @@ struct HiddenDevice {
 /// Light to heavy, encoders of 5 to 100 um at the tip, with and without friction, with latency and hold time.
 [[nodiscard]] HiddenDevice draw_hidden_device(std::uint64_t seed);
 
-/// What its maker would tell: degrees of freedom, largest force, period, and that nothing else is known.
+/// What its maker would tell: degrees of freedom, largest force, period, the motors' gains to 10 %, and that nothing
+/// else is known.
 [[nodiscard]] control::DeviceFacts declared_facts(const HiddenDevice& hidden);
 
 /// What somebody knows of its inertia, to 1 %.

@@ -52,24 +52,32 @@ std::string asymmetry(const EnergyBalance& balance, bool cartesian) {
          " % of the friction each way: does a weight pull on it, or a hand?";
 }
 
-/// By the mass that the joint has and the one that it seems to have: a motor that makes less than commanded moves it as
-/// if it were heavier. Without its gain, damping and friction are not known either.
+/// Narrows the gain that the driver tells, by the mass that the joint has and the one that it seems to have: a motor
+/// that makes less than commanded moves it as if it were heavier. Without a gain, damping and friction are not known
+/// either.
 void measure_gain(JointFindings& joint, double mass, double share) {
   EnergyBalance& balance = joint.balance;
   if (!balance.damping.refused.empty()) return;
-  std::string& refused = balance.damping.refused;
+  const control::Bracket told = joint.gain_share;
+  const bool exact = told == control::Bracket{};
   const double doubt = balance.mass_error / balance.mass;
-  if (!(doubt >= 0) || doubt > kMassDoubtMost) {
+  const bool seen = doubt >= 0 && doubt < kMassDoubtMost;
+  if (!seen && !exact) return;
+  control::Bracket& gain = joint.gain_share;
+  gain = {(1 - share) * mass / (balance.mass * (1 + doubt)) - 1, (1 + share) * mass / (balance.mass * (1 - doubt)) - 1};
+  const control::Bracket accepted = exact ? control::Bracket{1 / kGainMost - 1, kGainMost - 1} : told;
+  std::string refused;
+  if (!seen) {
     refused = "the mass that it seems to have, " + text::rounded(balance.mass) + ", is lost in friction and rounding";
-  } else if (!(mass < kGainMost * balance.mass && kGainMost * mass > balance.mass)) {
+  } else if (gain.least > accepted.most || gain.most < accepted.least) {
     refused = "it moves like " + text::rounded(balance.mass) + ", the known mass is " + text::rounded(mass) +
-              ": its motor would make " + text::rounded(mass / balance.mass, 2) +
-              " times what is commanded; 1/2 to 2 would be accepted";
-  } else {
-    joint.gain_share = {(1 - share) * mass / (balance.mass * (1 + doubt)) - 1,
-                        (1 + share) * mass / (balance.mass * (1 - doubt)) - 1};
+              ": its motor would make " + text::rounded(mass / balance.mass, 2) + " times what is commanded; " +
+              text::rounded(1 + accepted.least, 3) + " to " + text::rounded(1 + accepted.most, 3) +
+              " would be accepted";
+  } else if (!exact) {
+    gain = {std::max(gain.least, told.least), std::min(gain.most, told.most)};
   }
-  if (!refused.empty()) balance.friction.refused = refused;
+  if (!refused.empty()) balance.damping.refused = balance.friction.refused = refused;
 }
 
 }  // namespace
