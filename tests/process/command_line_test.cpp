@@ -321,6 +321,11 @@ TEST(Forcebound, RefusesWhatItCannotUseInOneLine) {
                    {{"doctor", "--server", kNowhere, "--json", "/no/such/found.json"}, 1, {"/no/such/found.json"}},
                    {{"identify"}, 2, {"--device", "required"}},
                    {{"identify", "--device", "omny"}, 2, {"'omny'", "'omni'"}},
+                   {{"identify", "--device", "omni", "--known-mass", "0"}, 2, {"--known-mass", "'0'"}},
+                   {{"identify", "--device", "omni", "--known-mass", "-0.1"}, 2, {"--known-mass", "'-0.1'"}},
+                   {{"identify", "--device", "omni", "--known-mass", "1e9"}, 2, {"--known-mass", "100", "'1e9'"}},
+                   {{"identify", "--device", "omni", "--known-mass", "0.1,0.2"}, 2, {"--known-mass", "3 joints", "2"}},
+                   {{"identify", "--device", "omni", "--mass-share", "0.1"}, 2, {"--mass-share", "--known-mass"}},
                    {{"clint"}, 2, {"unknown command 'clint'", "did you mean 'client'?"}}});
   // The rows before the bad one are answered.
   const Ran ran = run(kForcebound, replay);

@@ -89,6 +89,7 @@ class ExactLaw final : public PassivityLaw {
   [[nodiscard]] bool knots_merged() const noexcept { return early_.knots_merged() || (late_ && late_->knots_merged()); }
 
  private:
+  [[nodiscard]] double energy_J(double latency_s) const noexcept;
   void forget_excess() noexcept;
 
   template <typename Visit>

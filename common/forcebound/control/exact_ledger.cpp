@@ -128,14 +128,13 @@ void ExactLedger::let_act(double duration_s, double stretch) noexcept {
 }
 
 /// Proof, Lemma 6: by so much at the most an interval's cost with an offset between the ends is below what lies between
-/// the costs with the ends. The ripple is a share of either torque.
+/// the costs with the ends.
 void ExactLedger::charge_between(const Vector& jumps, double passed_s) noexcept {
   const double half_s = 0.5 * (other_offsets_s_.most - other_offsets_s_.least);
   for (Eigen::Index i = 0; i < joint_count_; ++i) {
-    add(i, [&](const LeastEnergy& v, double gain) {
-      const double jump = gain * jumps[i];
-      return -half_s * jump / v.damping() * (half_s * jump / (4 * passed_s) + v.friction());
-    });
+    const LeastEnergy& least = joint(i).least;
+    const double jump = gain_.most * (1 + ripple_share_) * jumps[i];
+    between_.add(half_s * jump / least.damping() * (half_s * jump / (4 * passed_s) + least.friction()));
   }
 }
 
@@ -202,8 +201,9 @@ ExactLedger::AtEffect ExactLedger::at_effect(double latency_s) const noexcept {
   return result;
 }
 
-std::optional<ExactLedger::AtEffect> ExactLedger::spendable(double latency_s) const noexcept {
-  const AtEffect left = at_effect(latency_s);
+std::optional<ExactLedger::AtEffect> ExactLedger::spendable(double latency_s, double energy_J_most) const noexcept {
+  AtEffect left = at_effect(latency_s);
+  left.energy_J = std::min(left.energy_J, energy_J_most);
   if (left.energy_J >= 0) return left;
   if (left.lag_leaves) return std::nullopt;
   return AtEffect{};

@@ -16,7 +16,7 @@ namespace forcebound::control {
 /// than its facts say by one constant: what ExactLaw keeps for each end of `latency_offset_s`.
 ///
 /// Of each joint it is kept for the least and the most gain of the motor. For constants between the ends it is at least
-/// the least of the ends' (proof, Lemmas 5 and 6).
+/// what lies between the ends', less what `between_J` says (proof, Lemmas 5 and 6).
 ///
 /// Torques are given by the joints' rows [N] or [N m]. Real time: noexcept, no allocation; the cost of LeastEnergy for
 /// each joint, each torque in effect in an interval, and each gain. A copy is a saved state.
@@ -42,6 +42,10 @@ class ExactLedger {
 
   void commit(const Vector& torque) noexcept { committed_ = torque; }
 
+  /// Of offsets between this one and the other end of the bracket, the energy may be less than what lies between both
+  /// ends' by up to this: 4 l (1 - l) of it at a share l of the way (proof, Lemma 6) [J].
+  [[nodiscard]] double between_J() const noexcept { return between_.value_J(); }
+
   /// Energy that came, or was given away: both may be of either sign.
   void add_J(double energy_J) noexcept { energy_.add(energy_J); }
 
@@ -53,7 +57,8 @@ class ExactLedger {
 
   /// What the next force may need. Nothing where not even the torque that friction holds is safe: with a deficit, while
   /// the lag has left something of a torque above it.
-  [[nodiscard]] std::optional<AtEffect> spendable(double latency_s) const noexcept;
+  /// @param energy_J_most whatever this ledger says
+  [[nodiscard]] std::optional<AtEffect> spendable(double latency_s, double energy_J_most) const noexcept;
 
   /// R: what a torque needs until its release, beside what the joints have more at the most gain.
   [[nodiscard]] double needed_J(const Vector& torque, const PerJoint& more_at_most = {}) const noexcept;
@@ -120,6 +125,7 @@ class ExactLedger {
   double lag_s_;
 
   EnergySum energy_;      // with the least gain of all motors
+  EnergySum between_;     // with the most
   bool located_ = false;  // V is known
   double blind_s_ = 0;    // so long no force and no credit: the forces in effect are not known
   StampCheck stamps_;

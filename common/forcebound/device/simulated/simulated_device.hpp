@@ -71,6 +71,8 @@ class SimulatedDevice final : public HapticDevice {
   [[nodiscard]] Truth truth() const noexcept;
   [[nodiscard]] const DeviceDescription& description() const noexcept { return description_; }
   [[nodiscard]] const Operator& hand() const noexcept { return *operator_; }
+  /// Each motor makes so many times what it is told.
+  [[nodiscard]] const Vector& motor_gain() const noexcept { return gain_; }
 
  private:
   static constexpr int kPendingMax = 256;

@@ -10,8 +10,11 @@
 namespace forcebound::lab::identification {
 namespace {
 
+using client::commands::identify::KnownMass;
 using device::Matrix;
 using device::Vector;
+
+constexpr double kGainShare = 0.1;  // of motors, as a data sheet has it
 
 double between(sim::Draw& draw, double low, double high) { return low * std::exp(draw.share() * std::log(high / low)); }
 
@@ -78,7 +81,10 @@ HiddenDevice draw_hidden_device(std::uint64_t seed) {
   facts.latency_s = draw.chance(0.15) ? 0 : between(draw, 30e-6, 2e-3);
   facts.hold_s_max = draw.number(2e-3, 8e-3);
   facts.releases = !draw.chance(0.1);
-  hidden.flaws = {.seed = draw.seed(), .releases_reported = draw.chance(0.5), .effects_reported = draw.chance(0.3)};
+  hidden.flaws = {.seed = draw.seed(),
+                  .torque_gain_share = {-kGainShare, kGainShare},
+                  .releases_reported = draw.chance(0.5),
+                  .effects_reported = draw.chance(0.3)};
   return hidden;
 }
 
@@ -91,8 +97,19 @@ control::DeviceFacts declared_facts(const HiddenDevice& hidden) {
   declared.period_s = truth.period_s;
   declared.force_N_max = truth.force_N_max;
   declared.damping = Matrix::Identity(dof, dof) * 1e-6;
+  declared.uncertainty.torque_gain_share = {-kGainShare, kGainShare};
   declared.friction = declared.encoder_step = declared.actuator_step = Vector::Zero(dof);
   return declared;
+}
+
+KnownMass known_mass(const HiddenDevice& hidden) {
+  constexpr double kShare = 0.01;
+  sim::Draw draw(hidden.flaws.seed);
+  KnownMass known{.share = kShare};
+  for (const double mass : hidden.description.inertia.diagonal()) {
+    known.of_joints.push_back(mass * (1 + draw.number(-kShare, kShare)));
+  }
+  return known;
 }
 
 std::unique_ptr<device::SimulatedDevice> without_hand(const device::DeviceDescription& description,

@@ -81,21 +81,36 @@ double displayed_N_per_m(const HiddenDevice& hidden, const control::DeviceFacts&
   return results::number_at(summary, "/displayed_stiffness_N_per_m/median");
 }
 
-void compare_joints(StudyDevice& study, const Findings& findings, const control::DeviceFacts& truth) {
-  const auto compare = [&](const LowerBound& bound, double true_value, std::vector<double>& shares) {
+/// The facts that say the most: the range of the motors' true gains is all that facts can tell of several.
+control::DeviceFacts true_facts(const HiddenDevice& hidden, const control::Vector& gain) {
+  control::DeviceFacts facts = hidden.description.facts;
+  facts.uncertainty.torque_gain_share = {gain.minCoeff() - 1, gain.maxCoeff() - 1};
+  return facts;
+}
+
+/// @param gain of the motors. A single one's findings are in units of its commands
+void compare_joints(StudyDevice& study, const Findings& findings, const control::DeviceFacts& truth,
+                    const control::Vector& gain) {
+  const double unit = findings.joints.size() == 1 ? gain[0] : 1;
+  const auto compare = [&](const JointFindings& joint, const LowerBound& bound, double true_value,
+                           std::vector<double>& shares) {
     const bool written = bound.refused.empty();
+    const double least = unit * findings.least(joint, bound);
     study.bounds += written;
-    study.above += written && bound.bound > true_value;
-    if (true_value > 0) shares.push_back(written ? bound.bound / true_value : 0);
+    study.above += written && least > true_value;
+    if (true_value > 0) shares.push_back(least / true_value);
   };
   for (std::size_t i = 0; i < findings.joints.size(); ++i) {
     const JointFindings& joint = findings.joints[i];
     const auto row = static_cast<Eigen::Index>(i);
-    compare(joint.balance.damping, truth.damping(row, row), study.damping_share);
-    compare(joint.balance.friction, truth.friction[row], study.friction_share);
+    compare(joint, joint.balance.damping, truth.damping(row, row), study.damping_share);
+    compare(joint, joint.balance.friction, truth.friction[row], study.friction_share);
     constexpr double kSame = 1e-9;
     const double step = truth.encoder_step[row];
     study.wrong_step |= joint.encoder_refused.empty() && std::abs(joint.encoder_step - step) > kSame * step;
+    if (!joint.balance.damping.refused.empty()) continue;
+    study.wrong_gain |= gain[row] < 1 + joint.gain_share.least || gain[row] > 1 + joint.gain_share.most;
+    study.gain_doubt.push_back(0.5 * (joint.gain_share.most - joint.gain_share.least));
   }
 }
 
@@ -112,11 +127,13 @@ struct Group {
   int bounds = 0;
   int above = 0;
   int wrong_steps = 0;
+  int wrong_gains = 0;
   int outside = 0;
   int far = 0;
   int latencies = 0;
   double least_P_J = 0;
   int played = 0;
+  std::vector<double> gain_doubt{};
   std::vector<double> damping{};
   std::vector<double> friction{};
   std::vector<double> latency_s{};
@@ -130,6 +147,8 @@ struct Group {
     bounds += device.bounds;
     above += device.above;
     wrong_steps += device.wrong_step;
+    wrong_gains += device.wrong_gain;
+    gain_doubt.insert(gain_doubt.end(), device.gain_doubt.begin(), device.gain_doubt.end());
     outside += device.time_outside;
     damping.insert(damping.end(), device.damping_share.begin(), device.damping_share.end());
     friction.insert(friction.end(), device.friction_share.begin(), device.friction_share.end());
@@ -174,15 +193,15 @@ std::string kind_of(const std::string& refusal) {
 
 StudyDevice study_device(std::uint64_t seed, const StudySettings& settings) {
   const HiddenDevice hidden = draw_hidden_device(seed);
-  const control::DeviceFacts& truth = hidden.description.facts;
+  const auto device = without_hand(hidden.description, hidden.flaws);
+  const control::DeviceFacts truth = true_facts(hidden, device->motor_gain());
   const control::DeviceFacts declared = declared_facts(hidden);
   GuideSettings guide_settings = settings.guide;
   guide_settings.seed = seed;
   Guide guide(declared, guide_settings);
-  const auto device = without_hand(hidden.description, hidden.flaws);
   constexpr double kLongest_s = 1200;
   run_in_virtual_time(guide, *device, declared.period_s, seed, kLongest_s);
-  const Findings findings = evaluate(guide, declared, settings.confidence);
+  const Findings findings = evaluate(guide, declared, settings.confidence, known_mass(hidden));
 
   StudyDevice study;
   study.seed = seed;
@@ -190,7 +209,7 @@ StudyDevice study_device(std::uint64_t seed, const StudySettings& settings) {
   study.complete = findings.complete();
   study.refusals = findings.refusals(declared.cartesian);
   study.seconds = static_cast<double>(findings.readings.ticks) * declared.period_s;
-  compare_joints(study, findings, truth);
+  compare_joints(study, findings, truth, device->motor_gain());
   const auto outside = [](const TimeBounds& bounds, double true_s) {
     return bounds.refused.empty() && (bounds.most_s < true_s || bounds.least_s > true_s);
   };
@@ -221,7 +240,8 @@ std::vector<StudyDevice> study_devices(const StudySettings& settings,
 
 bool any_wrong(const std::vector<StudyDevice>& devices) noexcept {
   return std::ranges::any_of(devices, [](const StudyDevice& device) {
-    return device.above > 0 || device.wrong_step || device.time_outside || device.least_P_J.value_or(0) < -kGuarantee_J;
+    return device.above > 0 || device.wrong_step || device.wrong_gain || device.time_outside ||
+           device.least_P_J.value_or(0) < -kGuarantee_J;
   });
 }
 
@@ -233,7 +253,9 @@ std::string study_text(const std::vector<StudyDevice>& devices, text::Colour col
                       {"damping, median", "%"},
                       {"worst tenth", "%"},
                       {"friction, median", "%"},
-                      {"worst tenth", "%"}});
+                      {"worst tenth", "%"},
+                      {"gain known to, median", "%"},
+                      {"most", "%"}});
   text::Table times({{"devices"},
                      {"outside bounds"},
                      {"latency above truth, median", "us"},
@@ -247,10 +269,12 @@ std::string study_text(const std::vector<StudyDevice>& devices, text::Colour col
     const bool whole = g.complete == g.devices;
     bounds.add({kind, std::to_string(g.devices), whole ? "all" : std::to_string(g.complete),
                 count_cell(g.above, g.bounds), percent(median(g.damping)), percent(median(g.damping, kTenth)),
-                percent(median(g.friction)), percent(median(g.friction, kTenth))});
-    times.add({kind, count_cell(g.outside + g.wrong_steps, g.devices), text::fixed(1e6 * median(g.latency_s), 1),
-               text::fixed(1e6 * median(g.latency_s, 1), 1), count_cell(g.far, static_cast<int>(g.latency_s.size())),
-               text::fixed(1e6 * median(g.hold_s), 1), text::fixed(median(g.seconds), 0)});
+                percent(median(g.friction)), percent(median(g.friction, kTenth)), percent(median(g.gain_doubt)),
+                percent(median(g.gain_doubt, 1))});
+    times.add({kind, count_cell(g.outside + g.wrong_steps + g.wrong_gains, g.devices),
+               text::fixed(1e6 * median(g.latency_s), 1), text::fixed(1e6 * median(g.latency_s, 1), 1),
+               count_cell(g.far, static_cast<int>(g.latency_s.size())), text::fixed(1e6 * median(g.hold_s), 1),
+               text::fixed(median(g.seconds), 0)});
     const std::string leak = results::millijoules(g.least_P_J);
     laws.add({kind,
               std::to_string(g.played),
@@ -265,7 +289,7 @@ std::string study_text(const std::vector<StudyDevice>& devices, text::Colour col
   control::ClassicText out;
   out << "Lower bounds as a share of the hidden truth; a refused one counts as 0 %.\n\n"
       << bounds.to_text(colour) << "\nLatency and hold time: how far the upper bound is above the truth. Outside: a\n"
-      << "time not within its bounds, or a wrong encoder step.\n\n"
+      << "time or a motor's gain not within its bounds, or a wrong encoder step.\n\n"
       << times.to_text(colour);
   if (std::ranges::any_of(devices, [](const StudyDevice& d) { return d.least_P_J.has_value(); })) {
     out << "\nfba-exact with the identified facts on the same devices: least P of 2 s against\n"
@@ -300,8 +324,9 @@ std::string study_csv(const std::vector<StudyDevice>& devices) {
     table.add({std::to_string(d.seed), d.kind, d.complete ? "1" : "0", std::to_string(d.bounds),
                std::to_string(d.above), text::rounded(median(d.damping_share, 0), 6),
                d.friction_share.empty() ? "" : text::rounded(median(d.friction_share, 0), 6),
-               number(d.latency_excess_s), number(d.hold_excess_s), d.time_outside || d.wrong_step ? "1" : "0",
-               number(d.least_P_J), number(d.stiffness_share), refused});
+               number(d.latency_excess_s), number(d.hold_excess_s),
+               d.time_outside || d.wrong_step || d.wrong_gain ? "1" : "0", number(d.least_P_J),
+               number(d.stiffness_share), refused});
   }
   return table.to_csv();
 }

@@ -22,6 +22,8 @@ struct StudyDevice {
   int bounds = 0;                            ///< lower bounds of damping and friction that were written
   int above = 0;                             ///< of them above the truth
   bool wrong_step = false;                   ///< of an encoder
+  bool wrong_gain = false;                   ///< of a motor
+  std::vector<double> gain_doubt{};          ///< half the width of each motor's bracket
   std::optional<double> latency_excess_s{};  ///< upper bound less truth; none: refused
   std::optional<double> hold_excess_s{};
   bool time_outside = false;                ///< a time is not within its bounds

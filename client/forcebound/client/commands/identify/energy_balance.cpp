@@ -64,7 +64,6 @@ EnergyBalance balance_energy(std::span<const Slide> slides, const ReleaseFit& fi
     return balance;
   }
   const EnergySolution solution(equations, used);
-  balance.mass = solution.value(kMass);
   balance.weight = solution.value(kWeight);
   balance.residual_share = solution.residual_share();
   const double quantile = student_quantile(settings.confidence, std::max(5.0, static_cast<double>(used) - kCount));
@@ -74,6 +73,9 @@ EnergyBalance balance_energy(std::span<const Slide> slides, const ReleaseFit& fi
                           kEnergyShare * solution.per_share(unknown) + kValueShare * std::abs(solution.value(unknown));
     return LowerBound{.estimate = solution.value(unknown), .bound = solution.value(unknown) - margin};
   };
+  const LowerBound mass = bound_of(kMass);
+  balance.mass = mass.estimate;
+  balance.mass_error = mass.estimate - mass.bound;
   balance.damping = bound_of(kDamping);
   balance.friction = bound_of(kFirstPlace);
   for (int i = 0; i < kPlaces; ++i) {

@@ -35,6 +35,7 @@ struct EnergyBalance {
   LowerBound friction{};                      ///< the least of all places [N], [N m]
   std::array<double, kPlaces> friction_at{};  ///< estimates
   double mass = 0;                            ///< [kg], [kg m^2]
+  double mass_error = 0;                      ///< it is within so much of that, as sure as a bound is
   double weight = 0;                          ///< g: pulls backwards [N], [N m]
   UsableForce force{};
   double residual_share = 0;  ///< what the equations leave of the energy, root mean square

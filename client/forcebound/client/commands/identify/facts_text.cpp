@@ -84,15 +84,15 @@ void write_joints(Lines& lines, const Findings& findings, bool cartesian, double
   if (any_refused(findings, [](const JointFindings& j) -> const std::string& { return j.balance.damping.refused; })) {
     lines.refused(damping, "see the reasons above; a law cannot do without it");
   } else {
-    lines.fact(damping, list(findings, [](const JointFindings& j) { return written_below(j.balance.damping.bound); }),
-               "lower bound; " + from);
+    lines.fact(
+        damping,
+        list(findings, [&](const JointFindings& j) { return written_below(findings.least(j, j.balance.damping)); }),
+        "lower bound; " + from);
   }
-  lines.fact(friction,
-             list(findings,
-                  [](const JointFindings& j) {
-                    return j.balance.friction.refused.empty() ? written_below(j.balance.friction.bound) : "0";
-                  }),
-             "lower bound, least of " + std::to_string(kPlaces) + " places; " + from);
+  lines.fact(
+      friction,
+      list(findings, [&](const JointFindings& j) { return written_below(findings.least(j, j.balance.friction)); }),
+      "lower bound, least of " + std::to_string(kPlaces) + " places; " + from);
   if (any_refused(findings, [](const JointFindings& j) -> const std::string& { return j.encoder_refused; })) {
     lines.refused(step, "see the reasons above");
   } else {
@@ -135,7 +135,11 @@ void write_uncertainty(Lines& lines, const Findings& findings, const control::De
   lines.fact("stamp_s", bracket(told.stamp_s.least, told.stamp_s.most), as_reported);
   lines.fact("clock_share", text::to_text(told.clock_share), as_reported);
   lines.fact("encoder_steps", text::to_text(told.encoder_steps), as_reported);
-  lines.fact("torque_gain_share", bracket(told.torque_gain_share.least, told.torque_gain_share.most), as_reported);
+  const control::Bracket gain = findings.torque_gain_share();
+  lines.fact("torque_gain_share", bracket(gain.least, gain.most),
+             findings.joints.size() == 1 ? "of one motor it does not matter"
+             : findings.gains_measured   ? "by the known mass"
+                                         : as_reported);
   lines.fact("torque_ripple_share", text::to_text(told.torque_ripple_share), as_reported);
   lines.fact("actuator_lag_s", text::to_text(told.actuator_lag_s), as_reported);
 }
@@ -167,6 +171,7 @@ std::string findings_text(const Findings& findings, const control::DeviceFacts& 
                       {"encoder step", cartesian ? "um" : "urad"},
                       {"moves at", force_unit},
                       {"mass", cartesian ? "kg" : "kg m^2"},
+                      {"motor's gain", "%"},
                       {"largest push", force_unit},
                       {"of it arrived", "%"}});
   text::Table losses({{joint_title},
@@ -179,8 +184,12 @@ std::string findings_text(const Findings& findings, const control::DeviceFacts& 
     const EnergyBalance& balance = joint.balance;
     const std::string number = std::to_string(i + 1);
     const auto bound = [](const LowerBound& b) { return b.refused.empty() ? rounded(b.bound) : std::string("-"); };
+    const auto gain = [&](const JointFindings& j) {
+      if (!findings.gains_measured || !j.balance.damping.refused.empty()) return std::string("-");
+      return rounded(100 + 100 * j.gain_share.least, 3) + " to " + rounded(100 + 100 * j.gain_share.most, 3);
+    };
     motion.add({number, rounded(joint.encoder_step * 1e6), rounded(joint.break_away), rounded(balance.mass),
-                rounded(balance.force.largest), range_words(balance.force)});
+                gain(joint), rounded(balance.force.largest), range_words(balance.force)});
     losses.add({number, rounded(balance.damping.estimate), bound(balance.damping), rounded(balance.friction.estimate),
                 bound(balance.friction)});
   }

@@ -12,7 +12,9 @@ namespace {
 constexpr double kNotTimed_s = 4e-6;       // what the fit leaves out of the times
 constexpr double kLatencyWide_s = 100e-6;  // bounds farther apart are none
 constexpr double kHoldWide_s = 1e-3;
-constexpr double kDoubt = 1.3;  // errors are estimates too, and joints are weighed by them
+constexpr double kMassDoubtMost = 0.2;
+constexpr double kGainMost = 2;  // more, or less than its inverse, is no motor's but another mass
+constexpr double kDoubt = 1.3;   // errors are estimates too, and joints are weighed by them
 
 /// Two joints' estimates of the same time: the more certain one counts more.
 struct Pool {
@@ -50,6 +52,34 @@ std::string asymmetry(const EnergyBalance& balance, bool cartesian) {
          " % of the friction each way: does a weight pull on it, or a hand?";
 }
 
+/// Narrows the gain that the driver tells, by the mass that the joint has and the one that it seems to have: a motor
+/// that makes less than commanded moves it as if it were heavier. Without a gain, damping and friction are not known
+/// either.
+void measure_gain(JointFindings& joint, double mass, double share) {
+  EnergyBalance& balance = joint.balance;
+  if (!balance.damping.refused.empty()) return;
+  const control::Bracket told = joint.gain_share;
+  const bool exact = told == control::Bracket{};
+  const double doubt = balance.mass_error / balance.mass;
+  const bool seen = doubt >= 0 && doubt < kMassDoubtMost;
+  if (!seen && !exact) return;
+  control::Bracket& gain = joint.gain_share;
+  gain = {(1 - share) * mass / (balance.mass * (1 + doubt)) - 1, (1 + share) * mass / (balance.mass * (1 - doubt)) - 1};
+  const control::Bracket accepted = exact ? control::Bracket{1 / kGainMost - 1, kGainMost - 1} : told;
+  std::string refused;
+  if (!seen) {
+    refused = "the mass that it seems to have, " + text::rounded(balance.mass) + ", is lost in friction and rounding";
+  } else if (gain.least > accepted.most || gain.most < accepted.least) {
+    refused = "it moves like " + text::rounded(balance.mass) + ", the known mass is " + text::rounded(mass) +
+              ": its motor would make " + text::rounded(mass / balance.mass, 2) + " times what is commanded; " +
+              text::rounded(1 + accepted.least, 3) + " to " + text::rounded(1 + accepted.most, 3) +
+              " would be accepted";
+  } else if (!exact) {
+    gain = {std::max(gain.least, told.least), std::min(gain.most, told.most)};
+  }
+  if (!refused.empty()) balance.damping.refused = balance.friction.refused = refused;
+}
+
 }  // namespace
 
 bool Findings::complete() const noexcept {
@@ -57,6 +87,20 @@ bool Findings::complete() const noexcept {
          std::ranges::all_of(joints, [](const JointFindings& joint) {
            return joint.encoder_refused.empty() && joint.balance.damping.refused.empty();
          });
+}
+
+control::Bracket Findings::torque_gain_share() const noexcept {
+  if (joints.size() < 2) return {};
+  control::Bracket all = joints.front().gain_share;
+  for (const JointFindings& joint : joints) {
+    all = {std::min(all.least, joint.gain_share.least), std::max(all.most, joint.gain_share.most)};
+  }
+  return all;
+}
+
+double Findings::least(const JointFindings& joint, const LowerBound& bound) const noexcept {
+  if (!bound.refused.empty()) return 0;
+  return joints.size() < 2 ? bound.bound : (1 + joint.gain_share.least) * bound.bound;
 }
 
 std::vector<std::string> Findings::refusals(bool cartesian) const {
@@ -74,14 +118,17 @@ std::vector<std::string> Findings::refusals(bool cartesian) const {
   return all;
 }
 
-Findings evaluate(const Guide& guide, const control::DeviceFacts& declared, double confidence_of_all) {
-  // Damping and friction of each joint, both ends of two times (Bonferroni).
-  const double bounds = 2.0 * declared.degrees_of_freedom() + 4;
+Findings evaluate(const Guide& guide, const control::DeviceFacts& declared, double confidence_of_all,
+                  const KnownMass& known) {
+  const bool mass_known = !known.of_joints.empty();
+  // Damping and friction of each joint, both ends of its mass and of two times (Bonferroni).
+  const double bounds = (mass_known ? 4.0 : 2.0) * declared.degrees_of_freedom() + 4;
   const double confidence = 1 - (1 - confidence_of_all) / bounds;
   Findings findings;
   findings.readings = guide.readings();
   findings.force_N_most = guide.force_N_most();
   findings.trouble = guide.trouble();
+  findings.gains_measured = mass_known;
   Pool latency;
   Pool hold;
   int silent = 0;
@@ -89,6 +136,7 @@ Findings evaluate(const Guide& guide, const control::DeviceFacts& declared, doub
   for (std::size_t i = 0; i < guide.joints().size(); ++i) {
     const Guide::JointRecord& record = guide.joints()[i];
     JointFindings joint;
+    joint.gain_share = declared.uncertainty.torque_gain_share;
     joint.break_away = record.break_away;
     joint.encoder_step = i < findings.readings.encoder_step.size() ? findings.readings.encoder_step[i] : 0;
     if (joint.encoder_step == 0) joint.encoder_refused = "its readings lie on no grid";
@@ -131,6 +179,7 @@ Findings evaluate(const Guide& guide, const control::DeviceFacts& declared, doub
       friction.refused = asymmetry(joint.balance, declared.cartesian);
     }
     friction.bound = std::max(friction.bound, 0.0);
+    if (mass_known) measure_gain(joint, known.of_joints[i], known.share);
   }
   return findings;
 }
@@ -143,11 +192,12 @@ control::DeviceFacts facts_of(const Findings& findings, const control::DeviceFac
   facts.encoder_step.setZero(dof);
   for (int i = 0; i < dof; ++i) {
     const JointFindings& joint = findings.joints[static_cast<std::size_t>(i)];
-    facts.damping(i, i) = joint.balance.damping.bound;
-    facts.friction[i] = joint.balance.friction.refused.empty() ? joint.balance.friction.bound : 0;
+    facts.damping(i, i) = findings.least(joint, joint.balance.damping);
+    facts.friction[i] = findings.least(joint, joint.balance.friction);
     facts.encoder_step[i] = joint.encoder_step;
   }
   facts.uncertainty.damping_share = facts.uncertainty.friction_share = 0;
+  facts.uncertainty.torque_gain_share = findings.torque_gain_share();
   facts.latency_s = findings.latency.most_s;
   facts.uncertainty.latency_s = {findings.latency.least_s - findings.latency.most_s, 0};
   facts.releases = findings.releases;

@@ -36,6 +36,7 @@ struct IdentifyOptions {
   std::string figure;
   std::vector<std::string> formats;
   identify::GuideOptions guided{};
+  identify::KnownMass known{.share = 0.01};
 };
 
 std::atomic<bool> interrupted{false};
@@ -56,9 +57,22 @@ std::unique_ptr<device::HapticDevice> make_device(const std::string& name) {
   }
 }
 
+/// One known mass is that of each joint.
+identify::KnownMass known_mass(identify::KnownMass known, const control::DeviceFacts& declared) {
+  const auto joints = static_cast<std::size_t>(declared.joints());
+  if (known.of_joints.size() == 1) known.of_joints.resize(joints, known.of_joints.front());
+  if (!known.of_joints.empty() && known.of_joints.size() != joints) {
+    throw std::invalid_argument("--known-mass must be one number, or one for each of the " +
+                                text::counted(joints, "joint", "joints") + " of '" + declared.name + "', got " +
+                                std::to_string(known.of_joints.size()));
+  }
+  return known;
+}
+
 void identify_device(const IdentifyOptions& options) {
   const auto device = make_device(options.device);
   const control::DeviceFacts declared = device->facts();
+  const identify::KnownMass known = known_mass(options.known, declared);
   std::cout << declared.name << (device->is_simulated() ? ", simulated" : "")
             << ": let go of the handle, in the middle of "
             << "its workspace.\nIt will move by itself, up to " << text::rounded(options.guided.guide.radius_m * 100, 2)
@@ -80,7 +94,7 @@ void identify_device(const IdentifyOptions& options) {
   if (guide.stopped_by_button()) {
     throw std::runtime_error(guide.trouble() + ": the force is zero, and nothing was written");
   }
-  const Findings findings = identify::evaluate(guide, declared, options.guided.confidence);
+  const Findings findings = identify::evaluate(guide, declared, options.guided.confidence, known);
   std::cout << '\n' << identify::findings_text(findings, declared);
   if (stops > 0) {
     std::cout << "watchdog   stopped the device " << text::counted(stops, "time", "times")
@@ -118,6 +132,18 @@ void add_identify(CLI::App& app) {
   program::add_figure(*command, options->figure, options->formats,
                       "draw the slides' force over their speed, with the bounds");
   identify::add_guide_options(*command, options->guided, "of where slides begin");
+  auto* const known =
+      command
+          ->add_option("--known-mass", options->known.of_joints,
+                       "moving mass of each axis, or inertia of each joint in kg m^2: its motor's gain is told then")
+          ->delimiter(',')
+          ->check(program::number_within(1e-7, 100))
+          ->type_name("KG");
+  command->add_option("--mass-share", options->known.share, "the known mass is within this share of the truth")
+      ->needs(known)
+      ->check(program::number_within(0, 0.5))
+      ->type_name("SHARE")
+      ->capture_default_str();
   command->footer(
       "Put the handle into the middle of its workspace and let go of it. One joint after another is pushed by a force "
       "that grows until it moves, then to and fro by constant forces that end in mid-motion; the others are held. "
@@ -128,7 +154,8 @@ void add_identify(CLI::App& app) {
       "for a second end all of it with zero force.\n"
       "\n"
       "Damping and friction come from the energy that each of these slides took, latency and hold time from where the "
-      "force ended. What could not be established is refused with the reason.\n"
+      "force ended. What could not be established is refused with the reason. Motors that differ show in no motion but "
+      "against a known mass.\n"
       "\n"
       "Ends with 1 where a fact is missing that a law needs.\n"
       "\n"

@@ -18,6 +18,7 @@ namespace {
 using client::commands::identify::Findings;
 using client::commands::identify::Guide;
 using client::commands::identify::GuideSettings;
+using client::commands::identify::KnownMass;
 using client::commands::identify::LowerBound;
 using client::commands::identify::UsableForce;
 using control::Matrix;
@@ -163,12 +164,13 @@ HiddenDevice plain_device() {
   return hidden;
 }
 
-Findings found(const HiddenDevice& hidden, device::HapticDevice& device, const GuideSettings& settings = {}) {
+Findings found(const HiddenDevice& hidden, device::HapticDevice& device, const GuideSettings& settings = {},
+               const KnownMass& known = {}) {
   const control::DeviceFacts declared = declared_facts(hidden);
   Guide guide(declared, settings);
   run_in_virtual_time(guide, device, declared.period_s, settings.seed, 600);
   EXPECT_TRUE(guide.done()) << guide.doing();
-  return evaluate(guide, declared, kConfidence);
+  return evaluate(guide, declared, kConfidence, known);
 }
 
 std::string all(const std::vector<std::string>& lines) {
@@ -184,9 +186,13 @@ TEST_P(HiddenDevices, HaveNoBoundAboveTheTruthAndNoneFarBelow) {
   const control::DeviceFacts& truth = hidden.description.facts;
   SCOPED_TRACE(testing::Message() << "seed " << GetParam() << ": " << describe(hidden.description));
   const auto device = without_hand(hidden.description, hidden.flaws);
-  const Findings findings = found(hidden, *device);
+  const Findings findings = found(hidden, *device, {}, known_mass(hidden));
   ASSERT_TRUE(findings.complete()) << all(findings.refusals(truth.cartesian));
   const control::DeviceFacts facts = facts_of(findings, declared_facts(hidden));
+  EXPECT_LE(1 + facts.uncertainty.torque_gain_share.least, device->motor_gain().minCoeff());
+  EXPECT_GE(1 + facts.uncertainty.torque_gain_share.most, device->motor_gain().maxCoeff());
+  EXPECT_GE(facts.uncertainty.torque_gain_share.least, -0.1);
+  EXPECT_LE(facts.uncertainty.torque_gain_share.most, 0.1);
   for (Eigen::Index i = 0; i < truth.damping.rows(); ++i) {
     EXPECT_LE(facts.damping(i, i), truth.damping(i, i));
     EXPECT_GE(facts.damping(i, i), 0.7 * truth.damping(i, i));
@@ -225,6 +231,82 @@ TEST(Identification, WritesAFileOfFactsThatLoadsAsWhatWasFound) {
   EXPECT_EQ(loaded.hold_s_max, facts.hold_s_max);
   EXPECT_EQ(loaded.uncertainty.latency_s, facts.uncertainty.latency_s);
   EXPECT_EQ(loaded.uncertainty.hold_s, facts.uncertainty.hold_s);
+}
+
+/// Two equal axes, of which only the motors differ.
+HiddenDevice two_axes() {
+  HiddenDevice hidden = plain_device();
+  control::DeviceFacts& facts = hidden.description.facts;
+  facts.damping = 2 * Matrix::Identity(2, 2);
+  facts.friction = Vector::Constant(2, 0.2);
+  facts.encoder_step = Vector::Constant(2, 20e-6);
+  facts.actuator_step = Vector::Zero(2);
+  hidden.description.inertia = 0.15 * Matrix::Identity(2, 2);
+  hidden.flaws = {.seed = 3, .torque_gain_share = {-0.1, 0.1}};
+  return hidden;
+}
+
+TEST(Identification, TellsMotorsApartByAKnownMass) {
+  const HiddenDevice hidden = two_axes();
+  const auto device = without_hand(hidden.description, hidden.flaws);
+  const Findings findings = found(hidden, *device, {}, {.of_joints = {0.15, 0.15}, .share = 0.005});
+  ASSERT_TRUE(findings.complete()) << all(findings.refusals(true));
+  const std::string text = facts_text(findings, declared_facts(hidden), kConfidence);
+  SCOPED_TRACE(text);
+  const control::DeviceFacts loaded = device::parse_facts(text, "two.toml").facts;
+  for (Eigen::Index i = 0; i < 2; ++i) {
+    const control::Bracket& share = findings.joints[static_cast<std::size_t>(i)].gain_share;
+    EXPECT_LE(1 + share.least, device->motor_gain()[i]);
+    EXPECT_GE(1 + share.most, device->motor_gain()[i]);
+    EXPECT_LE(share.most - share.least, 0.1);
+    EXPECT_LE(loaded.damping(i, i), 2);
+    EXPECT_LE(loaded.friction[i], 0.2);
+    EXPECT_LE(loaded.uncertainty.torque_gain_share.least, share.least);
+    EXPECT_GE(loaded.uncertainty.torque_gain_share.most, share.most);
+  }
+}
+
+// Found are damping and friction as the motors' commands see them: motors that make less make both seem more.
+TEST(Identification, LowersBoundsByTheLeastGainThatTheDriverTells) {
+  const HiddenDevice hidden = two_axes();
+  const auto device = without_hand(hidden.description, hidden.flaws);
+  const control::DeviceFacts declared = declared_facts(hidden);
+  Guide guide(declared, {});
+  run_in_virtual_time(guide, *device, declared.period_s, 1, 600);
+  const Findings findings = evaluate(guide, declared, kConfidence);
+  ASSERT_TRUE(findings.complete()) << all(findings.refusals(true));
+  const control::DeviceFacts facts = facts_of(findings, declared);
+  EXPECT_EQ(facts.uncertainty.torque_gain_share, (control::Bracket{-0.1, 0.1}));
+  for (Eigen::Index i = 0; i < 2; ++i) {
+    EXPECT_LE(facts.damping(i, i), 2);
+    EXPECT_LE(facts.friction[i], 0.2);
+    EXPECT_DOUBLE_EQ(facts.damping(i, i), 0.9 * findings.joints[static_cast<std::size_t>(i)].balance.damping.bound);
+  }
+}
+
+TEST(Identification, LetsTheGainOfASingleMotorBe) {
+  const HiddenDevice hidden = plain_device();
+  const auto device = without_hand(hidden.description, {.torque_gain_share = {0.1, 0.1}});
+  const Findings findings = found(hidden, *device, {}, {.of_joints = {0.15}, .share = 0.01});
+  ASSERT_TRUE(findings.complete()) << all(findings.refusals(true));
+  const control::DeviceFacts facts = facts_of(findings, declared_facts(hidden));
+  EXPECT_EQ(facts.uncertainty.torque_gain_share, control::Bracket{});
+  EXPECT_LE(facts.damping(0, 0), 2 / 1.1);
+  EXPECT_GE(facts.damping(0, 0), 0.9 * 2 / 1.1);
+  EXPECT_LE(1 + findings.joints[0].gain_share.least, 1.1);
+  EXPECT_GE(1 + findings.joints[0].gain_share.most, 1.1);
+}
+
+TEST(Identification, RefusesAKnownMassThatIsNotTheJoints) {
+  const HiddenDevice hidden = plain_device();
+  const auto device = without_hand(hidden.description);
+  const Findings findings = found(hidden, *device, {}, {.of_joints = {1.5}, .share = 0.01});
+  EXPECT_FALSE(findings.complete());
+  EXPECT_NE(all(findings.refusals(true))
+                .find("damping of axis 1: it moves like 0.15, the known mass is 1.5: its motor would make 10 times "
+                      "what is commanded; 0.9 to 1.1 would be accepted"),
+            std::string::npos)
+      << all(findings.refusals(true));
 }
 
 TEST(Identification, AsksForNoMoreThanItsShareOfTheForce) {
