@@ -22,6 +22,8 @@ TetrahedralSoup tetrahedral_block(const BlockDescription& block) {
   }
   for (std::size_t cell = 0; cell < nx * ny * nz; ++cell) {
     const Steps corner{cell % nx, cell / nx % ny, cell / nx / ny};
+    std::array<std::size_t, 8>& box = soup.boxes.emplace_back();
+    for (std::size_t k = 0; k < 8; ++k) box[k] = node({corner[0] + k % 2, corner[1] + k / 2 % 2, corner[2] + k / 4});
     Steps axes{0, 1, 2};
     do {
       Steps at = corner;

@@ -105,6 +105,10 @@ void TetrahedralMesh::add_tetrahedra(const TetrahedralSoup& soup, const std::vec
     tetrahedra_.push_back(tetrahedron);
     volumes_m3_.push_back(std::abs(volumes) / 6);
   }
+  for (const auto& corners : soup.boxes) {
+    Box& box = boxes_.emplace_back();
+    std::ranges::transform(corners, box.begin(), [&](std::size_t corner) { return index[corner]; });
+  }
 }
 
 void TetrahedralMesh::find_surface(const TetrahedralSoup& soup) {
@@ -129,12 +133,18 @@ void TetrahedralMesh::find_surface(const TetrahedralSoup& soup) {
       }
     }
   }
-  std::vector<bool> on_surface(nodes_m_.size(), false);
   for (const auto& [key, known] : found) {
-    if (known.count != 1) continue;
-    triangles_.push_back(known.first);
-    for (const int node : key) on_surface[node] = true;
+    if (known.count == 1) triangles_.push_back(known.first);
   }
+  find_surface_nodes();
+}
+
+void TetrahedralMesh::find_surface_nodes() {
+  std::vector<bool> on_surface(nodes_m_.size(), false);
+  for (const Triangle& triangle : triangles_) {
+    for (const int node : triangle) on_surface[node] = true;
+  }
+  surface_nodes_.clear();
   for (int node = 0; node < static_cast<int>(nodes_m_.size()); ++node) {
     if (on_surface[node]) surface_nodes_.push_back(node);
   }
@@ -155,6 +165,32 @@ void TetrahedralMesh::count_pieces() {
   for (const scene::Point& node_m : nodes_m_) places.push_back({node_m.x(), node_m.y(), node_m.z()});
   std::ranges::sort(places);
   coincident_nodes_ = static_cast<int>(places.end() - std::unique(places.begin(), places.end()));
+}
+
+TetrahedralMesh TetrahedralMesh::with_middles() const {
+  TetrahedralMesh finer = *this;
+  std::map<std::pair<int, int>, int> middles;
+  const auto middle_of = [&](int a, int b) {
+    const auto [known, is_new] = middles.try_emplace(std::minmax(a, b), static_cast<int>(finer.nodes_m_.size()));
+    if (is_new) finer.nodes_m_.emplace_back(0.5 * (nodes_m_[a] + nodes_m_[b]));
+    return known->second;
+  };
+  for (const Tetrahedron& corners : tetrahedra_) {
+    Middles& of_edges = finer.middles_.emplace_back();
+    for (std::size_t e = 0; e < kEdges.size(); ++e)
+      of_edges[e] = middle_of(corners[kEdges[e][0]], corners[kEdges[e][1]]);
+  }
+  finer.triangles_.clear();
+  for (const auto& [a, b, c] : triangles_) {
+    const int ab = middle_of(a, b);
+    const int bc = middle_of(b, c);
+    const int ca = middle_of(c, a);
+    for (const Triangle& part : {Triangle{a, ab, ca}, {b, bc, ab}, {c, ca, bc}, {ab, bc, ca}}) {
+      finer.triangles_.push_back(part);
+    }
+  }
+  finer.find_surface_nodes();
+  return finer;
 }
 
 double TetrahedralMesh::volume_m3() const noexcept {
