@@ -21,8 +21,8 @@ struct TetrahedralSoup {
   std::vector<scene::Point> nodes;  ///< in the file's unit
   std::vector<Tetrahedron> tetrahedra;
 
-  /// Boxes that the tetrahedra are parts of, all alike but for their place; none in a file. Corner k lies at the far
-  /// end of the box's edges whose bits k has, the first axis having bit 0.
+  /// Boxes that the tetrahedra are parts of, six of each; none in a file. Corner k lies at the far end of the box's
+  /// edges whose bits k has, the first axis having bit 0.
   std::vector<std::array<std::size_t, 8>> boxes{};
 };
 

@@ -30,9 +30,13 @@ class TetrahedralMesh {
   /// Thinnest tetrahedron accepted: six times its volume over its longest edge's cube.
   static constexpr double kFlat = 1e-6;
 
+  /// Most by which a corner of a box may be off its place, as a share of the box's shortest edge.
+  static constexpr double kOffMost = 1e-6;
+
   /// @param placement where the soup's nodes lie in the scene
   /// @throws std::runtime_error `FILE:LINE: what`, for a tetrahedron that is flat, for nodes that are not finite, for
-  /// more than two tetrahedra at one triangle, and for two that overlap since both lie on the same side of it.
+  /// more than two tetrahedra at one triangle, for two that overlap since both lie on the same side of it, and for
+  /// boxes that are not alike but for their place, or not right-angled.
   explicit TetrahedralMesh(const TetrahedralSoup& soup, const scene::MeshPlacement& placement = {});
 
   /// The same with a node in the middle of each edge, and each triangle cut into four by those. Not of boxes.
@@ -45,7 +49,7 @@ class TetrahedralMesh {
 
   /// Nodes in the middle of each tetrahedron's kEdges; none where they have no such nodes.
   [[nodiscard]] const std::vector<Middles>& middles() const noexcept { return middles_; }
-  /// As in the soup.
+  /// As in the soup: right-angled, all alike but for their place.
   [[nodiscard]] const std::vector<Box>& boxes() const noexcept { return boxes_; }
   [[nodiscard]] const std::vector<Triangle>& triangles() const noexcept { return triangles_; }
 
@@ -63,6 +67,7 @@ class TetrahedralMesh {
  private:
   void add_nodes(const TetrahedralSoup& soup, const scene::MeshPlacement& placement);
   void add_tetrahedra(const TetrahedralSoup& soup, const std::vector<int>& index);
+  void add_boxes(const TetrahedralSoup& soup, const std::vector<int>& index);
   void find_surface(const TetrahedralSoup& soup);
   void find_surface_nodes();
   void count_pieces();
