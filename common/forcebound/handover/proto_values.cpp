@@ -17,8 +17,8 @@ void fill(const config::Values& from, NamedValues* to) {
           if constexpr (std::is_same_v<Is, std::string>) named->set_text(is);
           if constexpr (std::is_same_v<Is, bool>) named->set_flag(is);
           if constexpr (std::is_same_v<Is, config::Rows>) {
-            for (const std::vector<double>& row : is)
-              named->mutable_rows()->add_row()->mutable_number()->Add(row.begin(), row.end());
+            v1::Rows* const rows = named->mutable_rows();  // of none as well
+            for (const std::vector<double>& row : is) rows->add_row()->mutable_number()->Add(row.begin(), row.end());
           }
         },
         value);

@@ -15,7 +15,8 @@ constexpr double kLinearlySolved = 1e-2;  // of the first residual: Newton's met
 std::size_t CorotationalBody::memory_bytes() const noexcept {
   constexpr std::size_t kVectors = 10;  // two in each DeformedBody, and the six here
   return kVectors * static_cast<std::size_t>(direction.size()) * sizeof(double) +
-         linearised.size() * (2 * sizeof(PolarParts) + sizeof(LinearisedTetrahedron)) +
+         linearised.frames.size() * (2 * sizeof(PolarParts) + sizeof(LinearisedBody::Frame)) +
+         static_cast<std::size_t>(linearised.places_m.size() + linearised.pushes_N.size()) * sizeof(double) +
          turns.size() * sizeof(Eigen::Quaterniond) + pressed.memory_bytes();
 }
 

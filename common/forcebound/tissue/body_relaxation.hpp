@@ -16,7 +16,7 @@ namespace forcebound::tissue {
 struct CorotationalBody {
   DeformedBody now;
   DeformedBody trial;
-  std::vector<LinearisedTetrahedron> linearised;
+  LinearisedBody linearised;
   std::vector<Eigen::Quaterniond> turns;  ///< of the nodes
   Eigen::VectorXd direction, residual, preconditioned, search, product, scratch;
   PressedTriangles pressed;  ///< by spheres; none for points
@@ -47,8 +47,8 @@ class BodyContact {
 /// Minimises the energy of a body and of its contacts: Newton's method with the whole second derivative, conjugate
 /// gradients preconditioned by the factors of the stiffness at rest, turned with each node, and a line search.
 ///
-/// Real time: noexcept, no allocation; `improve` makes at most 8 + 1 passes over the tetrahedra, and up to the given
-/// number of passes over the blocks of their stiffness, each with a solution by the factors.
+/// Real time: noexcept, no allocation; `improve` makes at most 8 + 1 passes over the elements, and up to the given
+/// number of passes over them again, each with a solution by the factors.
 class BodyRelaxation {
  public:
   /// @param contact all must outlive it. The nodes' rotations are those of the present body.

@@ -49,7 +49,7 @@ CorotationalBody CorotationalTissue::make_body() const {
   const Eigen::VectorXd zeros = Eigen::VectorXd::Zero(rest.displacement_m.size());
   return {.now = rest,
           .trial = rest,
-          .linearised = std::vector<LinearisedTetrahedron>(mesh_.tetrahedra().size()),
+          .linearised = elasticity_.make_linearised(),
           .turns = std::vector<Eigen::Quaterniond>(mesh_.nodes_m().size(), Eigen::Quaterniond::Identity()),
           .direction = zeros,
           .residual = zeros,

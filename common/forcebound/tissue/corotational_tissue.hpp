@@ -23,7 +23,7 @@ struct OtherProbes {
 };
 
 /// An elastic body under large motion against a pointed or spherical probe, without friction and quasi-static. Each
-/// tetrahedron is linearly elastic in the frame of its own rotation, see CorotationalElasticity.
+/// element is linearly elastic in the frame of its own rotation, see CorotationalElasticity.
 ///
 /// *A point* c is tied to a place s of the surface:
 ///
@@ -36,7 +36,7 @@ struct OtherProbes {
 ///
 ///     E = elastic energy + energy of the skin at c,   F = -dE/dc
 ///
-/// so that its force converges as the tetrahedra get smaller, unlike that of a point, which sinks into an elastic body
+/// so that its force converges as the elements get smaller, unlike that of a point, which sinks into an elastic body
 /// without end. The past has no influence, except that the sphere comes on a straight line from its last position, in
 /// each round of Newton's method no farther than halfway into the rest of its skin. So a jump does not carry it past
 /// the surface, to be pushed the wrong way; it stays behind the probe for some steps, or for as long as a held place is
@@ -44,7 +44,7 @@ struct OtherProbes {
 ///
 /// BodyRelaxation takes E down from where the last step left it. Every change at a fixed c lowers E, so that no motion
 /// returns more than it took, converged or not; a tissue that has not converged lags, which its residual shows.
-/// Inverted tetrahedra recover, since their rotations stay rotations.
+/// Inverted elements recover, since their rotations stay rotations.
 ///
 /// *Several probes* on one tissue have one energy. A step moves one probe; the others stay where they are. Each of the
 /// points keeps its last place, and a tie that would pull is left out of that step: one that returns may add up to k/2

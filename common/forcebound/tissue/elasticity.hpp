@@ -5,42 +5,13 @@
 #include <cstddef>
 #include <vector>
 
-#include "forcebound/tissue/tetrahedral_mesh.hpp"
+#include "forcebound/tissue/elastic_elements.hpp"
 
 namespace forcebound::tissue {
 
-/// An isotropic elastic material.
-struct ElasticMaterial {
-  double young_Pa = 0;  ///< Young's modulus, > 0
-  double poisson = 0;   ///< Poisson's ratio, > -1 and < 0.5
-
-  [[nodiscard]] double mu_Pa() const noexcept { return young_Pa / (2 * (1 + poisson)); }
-  [[nodiscard]] double lambda_Pa() const noexcept { return young_Pa * poisson / ((1 + poisson) * (1 - 2 * poisson)); }
-
-  /// @throws std::invalid_argument unless both are within the bounds above.
-  void check() const;
-};
-
-/// Column a is the gradient [1/m] of the shape function of corner a of a tetrahedron.
-using ShapeGradients = Eigen::Matrix<double, 3, 4>;
-
-[[nodiscard]] std::vector<ShapeGradients> shape_gradients(const TetrahedralMesh& mesh);
-
-/// Where the change of volume is counted in the elastic energy.
-enum class VolumeLaw {
-  /// in each tetrahedron, as usual. Locks as the ratio nears 0.5: more tetrahedra must keep their volume than nodes can
-  /// move.
-  per_tetrahedron,
-  /// averaged over the tetrahedra around each node (Bonet & Burton 1998), which leaves one constraint per node.
-  per_node,
-};
-
-/// The stiffness [N/m] of all nodes' displacements, 3 rows per node, none of them held. Between nodes a and b of a
-/// tetrahedron of volume V with shape gradients g:
-///
-///     K_ab = V (lambda g_a g_b' + mu g_b g_a' + mu (g_a . g_b) I)
-[[nodiscard]] Eigen::SparseMatrix<double> stiffness_matrix(const TetrahedralMesh& mesh, const ElasticMaterial& material,
-                                                           VolumeLaw law = VolumeLaw::per_tetrahedron);
+/// The stiffness [N/m] of all nodes' displacements, 3 rows per node, none of them held: the sum of its elements'.
+[[nodiscard]] Eigen::SparseMatrix<double> stiffness_matrix(const TetrahedralMesh& mesh,
+                                                           const ElasticMaterial& material);
 
 /// The free coordinates when some nodes are held.
 class FreeCoordinates {

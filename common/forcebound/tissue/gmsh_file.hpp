@@ -20,6 +20,10 @@ struct TetrahedralSoup {
   std::string name;                 ///< of the file, for messages
   std::vector<scene::Point> nodes;  ///< in the file's unit
   std::vector<Tetrahedron> tetrahedra;
+
+  /// Boxes that the tetrahedra are parts of, six of each; none in a file. Corner k lies at the far end of the box's
+  /// edges whose bits k has, the first axis having bit 0.
+  std::vector<std::array<std::size_t, 8>> boxes{};
 };
 
 /// Reads the linear tetrahedra (element type 4) of a Gmsh mesh: ASCII of version 1, 2 or 4.1. Other elements (points,

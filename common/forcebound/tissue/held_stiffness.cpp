@@ -1,6 +1,7 @@
 #include "forcebound/tissue/held_stiffness.hpp"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <map>
 #include <stdexcept>
 
@@ -100,6 +101,58 @@ void StiffnessFactors::solve(const std::vector<Eigen::Quaterniond>& turns, const
     scratch.segment<3>(3 * k) = here;
     moved_m.segment<3>(first_[k]) = turn(k) * here;
   }
+}
+
+// The rows from one on, where those before have no forces and are not wanted.
+void StiffnessFactors::solve_from(std::size_t from, Panel& panel) const {
+  Eigen::Matrix<double, 3, Panel::ColsAtCompileTime, Eigen::RowMajor> here;
+  for (std::size_t k = from; k < first_.size(); ++k) {
+    here = panel.middleRows<3>(3 * k);
+    for (std::size_t b = begin_[k]; b < begin_[k + 1]; ++b) {
+      panel.middleRows<3>(row_[b]).noalias() -= blocks_[b].lazyProduct(here);
+    }
+  }
+  for (std::size_t k = first_.size(); k-- > from;) {
+    here.noalias() = yields_[k].lazyProduct(panel.middleRows<3>(3 * k));
+    for (std::size_t b = begin_[k]; b < begin_[k + 1]; ++b) {
+      here.noalias() -= blocks_[b].transpose().lazyProduct(panel.middleRows<3>(row_[b]));
+    }
+    panel.middleRows<3>(3 * k) = here;
+  }
+}
+
+Eigen::MatrixXd StiffnessFactors::compliance_m_per_N(const std::vector<int>& nodes) const {
+  struct Wanted {
+    std::size_t place;  // in the factors' order
+    Eigen::Index row;
+  };
+  std::map<Eigen::Index, std::size_t> places;
+  for (std::size_t k = 0; k < first_.size(); ++k) places.emplace(first_[k], k);
+  std::vector<Wanted> wanted;
+  for (std::size_t n = 0; n < nodes.size(); ++n) {
+    const auto free = places.find(3 * static_cast<Eigen::Index>(nodes[n]));
+    if (free != places.end()) wanted.push_back({free->second, 3 * static_cast<Eigen::Index>(n)});
+  }
+  std::ranges::sort(wanted, {}, &Wanted::place);
+  const auto size = 3 * static_cast<Eigen::Index>(nodes.size());
+  Eigen::MatrixXd compliance = Eigen::MatrixXd::Zero(size, size);
+  Panel panel(3 * first_.size(), Panel::ColsAtCompileTime);
+  constexpr std::size_t kAtOnce = Panel::ColsAtCompileTime / 3;
+  for (std::size_t from = 0; from < wanted.size(); from += kAtOnce) {
+    const std::size_t end = std::min(from + kAtOnce, wanted.size());
+    panel.setZero();
+    for (std::size_t n = from; n < end; ++n) panel.block<3, 3>(3 * wanted[n].place, 3 * (n - from)).setIdentity();
+    solve_from(wanted[from].place, panel);
+    for (std::size_t column = from; column < end; ++column) {
+      for (std::size_t row = column; row < wanted.size(); ++row) {
+        const Eigen::Matrix3d moved = panel.block<3, 3>(3 * wanted[row].place, 3 * (column - from));
+        compliance.block<3, 3>(wanted[row].row, wanted[column].row) = moved;
+        compliance.block<3, 3>(wanted[column].row, wanted[row].row) = moved.transpose();
+        if (row == column) compliance.block<3, 3>(wanted[row].row, wanted[row].row) = 0.5 * (moved + moved.transpose());
+      }
+    }
+  }
+  return compliance;
 }
 
 std::size_t StiffnessFactors::memory_bytes() const noexcept {

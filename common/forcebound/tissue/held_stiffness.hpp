@@ -40,12 +40,20 @@ class StiffnessFactors {
   void solve(const std::vector<Eigen::Quaterniond>& turns, const Eigen::VectorXd& force_N, Eigen::VectorXd& moved_m,
              Eigen::VectorXd& scratch) const noexcept;
 
+  /// Displacements of some nodes under forces on them: three rows and columns each, symmetric to the last bit, zero for
+  /// held ones. Solves for many forces at once, with L no farther than it reaches. At set-up.
+  [[nodiscard]] Eigen::MatrixXd compliance_m_per_N(const std::vector<int>& nodes) const;
+
   /// Blocks of L below the diagonal: a solve passes over them twice.
   [[nodiscard]] std::size_t blocks() const noexcept { return blocks_.size(); }
   [[nodiscard]] std::size_t memory_bytes() const noexcept;
 
  private:
+  // Forces on 16 nodes, or displacements under them: a column for each coordinate of these, rows in the factors' order.
+  using Panel = Eigen::Matrix<double, Eigen::Dynamic, 48, Eigen::RowMajor>;
+
   void add_column(const Eigen::SparseMatrix<double>& lower, const Eigen::VectorXd& pivots, Eigen::Index column);
+  void solve_from(std::size_t from, Panel& panel) const;
 
   std::vector<Eigen::Index> first_;      // of each node in the factors' order, among all coordinates
   std::vector<Eigen::Matrix3d> yields_;  // blocks of D^-1

@@ -1,15 +1,11 @@
 #include "forcebound/tissue/linear_tissue.hpp"
 
-#include <algorithm>
 #include <stdexcept>
 
-#include "forcebound/text/numbers.hpp"
 #include "forcebound/tissue/held_stiffness.hpp"
 
 namespace forcebound::tissue {
 namespace {
-
-constexpr int kProbedForLocking = 64;
 
 TissueSurface surface_of(const TetrahedralMesh& mesh) {
   std::vector<int> index(mesh.nodes_m().size(), 0);
@@ -38,28 +34,12 @@ LinearTissue::LinearTissue(TetrahedralMesh mesh, const ElasticMaterial& material
   }
   const FreeCoordinates free(static_cast<int>(mesh_.nodes_m().size()), held_nodes);
   find_compliance(free);
-  find_locking(free);
 }
 
 void LinearTissue::find_compliance(const FreeCoordinates& free) {
   SparseCholesky cholesky;
   factorise(cholesky, free.reduced(stiffness_matrix(mesh_, material_)), mesh_.name());
-  compliance_m_per_N_ = Eigen::MatrixXd::Zero(3 * surface_nodes(), 3 * surface_nodes());
-  Eigen::MatrixXd loads = Eigen::MatrixXd::Zero(free.count(), 3);
-  for (int column = 0; column < surface_nodes(); ++column) {
-    const int loaded = free.first_of(mesh_.surface_nodes()[column]);
-    if (loaded == FreeCoordinates::kHeld) continue;
-    loads.middleRows<3>(loaded).setIdentity();
-    const Eigen::MatrixXd moved = cholesky.solve(loads);
-    loads.middleRows<3>(loaded).setZero();
-    for (int row = 0; row < surface_nodes(); ++row) {
-      const int from = free.first_of(mesh_.surface_nodes()[row]);
-      if (from == FreeCoordinates::kHeld) continue;
-      compliance_m_per_N_.block<3, 3>(3 * row, 3 * column) = moved.middleRows<3>(from);
-    }
-  }
-  // Symmetric to the last bit, so that a force is exactly the gradient of an energy.
-  compliance_m_per_N_ = (0.5 * (compliance_m_per_N_ + compliance_m_per_N_.transpose())).eval();
+  compliance_m_per_N_ = StiffnessFactors(cholesky, free).compliance_m_per_N(mesh_.surface_nodes());
 }
 
 Eigen::Matrix3d LinearTissue::compliance_m_per_N(const SurfacePlace& moved, const SurfacePlace& pushed) const noexcept {
@@ -73,30 +53,6 @@ Eigen::Matrix3d LinearTissue::compliance_m_per_N(const SurfacePlace& moved, cons
     }
   }
   return sum;
-}
-
-void LinearTissue::find_locking(const FreeCoordinates& free) {
-  SparseCholesky softer;
-  factorise(softer, free.reduced(stiffness_matrix(mesh_, material_, VolumeLaw::per_node)), mesh_.name());
-  const int stride = 1 + surface_nodes() / kProbedForLocking;
-  double soft_m_per_N = 0;
-  double ours_m_per_N = 0;
-  for (int node = 0; node < surface_nodes(); node += stride) {
-    const int first = free.first_of(mesh_.surface_nodes()[node]);
-    if (first == FreeCoordinates::kHeld) continue;
-    Eigen::VectorXd load = Eigen::VectorXd::Zero(free.count());
-    load.segment<3>(first) = surface_.node_normal(node);
-    soft_m_per_N += load.dot(softer.solve(load));
-    ours_m_per_N += surface_.node_normal(node).dot(compliance_m_per_N(node, node) * surface_.node_normal(node));
-  }
-  if (ours_m_per_N > 0) locking_ = std::max(1.0, soft_m_per_N / ours_m_per_N);
-}
-
-std::string LinearTissue::warning() const {
-  if (locking_ < kLocked) return "";
-  return mesh_.name() + ": with poisson " + text::to_text(material_.poisson) +
-         " the tetrahedra lock: displacements are about " + text::rounded(locking_) +
-         " times too small; a smaller ratio or a finer mesh locks less";
 }
 
 std::size_t LinearTissue::memory_bytes() const noexcept {

@@ -15,7 +15,7 @@ namespace forcebound::tissue {
 ///
 ///     u = C f,   C = rows and columns of the surface in K^-1       [m/N, symmetric]
 ///
-/// K is the stiffness of linear tetrahedra without the held nodes; a sparse Cholesky factorisation (L D L') gives C
+/// K is the stiffness of the elements without the held nodes; a sparse Cholesky factorisation (L D L') gives C
 /// column by column at set-up. Small displacements and rotations; for large ones see CorotationalTissue.
 ///
 /// A model takes 72 bytes per pair of surface nodes: 1.2 MB for 130 nodes, 65 MB for 950, 650 MB for 3000.
@@ -23,9 +23,6 @@ namespace forcebound::tissue {
 /// Immutable after set-up, hence shared by any number of sessions.
 class LinearTissue {
  public:
-  /// From this value of `locking` on, `warning` reports too small displacements.
-  static constexpr double kLocked = 1.25;
-
   /// @param held_nodes of the mesh, which do not move
   /// @param memory_bytes_max for the compliance
   /// @throws std::invalid_argument for a material that `check` refuses, and for a node that does not exist
@@ -53,25 +50,15 @@ class LinearTissue {
   [[nodiscard]] Eigen::Matrix3d compliance_m_per_N(const SurfacePlace& moved,
                                                    const SurfacePlace& pushed) const noexcept;
 
-  /// Estimated factor by which displacements under a probe are too small: those under forces along the normal at nodes
-  /// of the surface, with the change of volume averaged around each node, over those of this model. Never below 1; a
-  /// coarse mesh has some 1.1 at any ratio.
-  [[nodiscard]] double locking() const noexcept { return locking_; }
-
-  /// One line for the scene's author; empty if there is nothing to warn of.
-  [[nodiscard]] std::string warning() const;
-
   [[nodiscard]] std::size_t memory_bytes() const noexcept;
 
  private:
   void find_compliance(const FreeCoordinates& free);
-  void find_locking(const FreeCoordinates& free);
 
   TetrahedralMesh mesh_;
   ElasticMaterial material_;
   TissueSurface surface_;
   Eigen::MatrixXd compliance_m_per_N_;
-  double locking_ = 1;
 };
 
 }  // namespace forcebound::tissue

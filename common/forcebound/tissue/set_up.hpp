@@ -13,13 +13,12 @@ inline constexpr std::size_t kTetrahedraMost = 100'000;
 /// Longest predicted set-up of a tissue in a scene.
 inline constexpr double kSetUpMost_s = 30;
 
-/// Predicts how long a tissue takes to set up, the same on every machine: from the operations of its factorisations and
+/// Predicts how long a tissue takes to set up, the same on every machine: from the operations of its factorisation and
 /// solves, which follow from the mesh alone, at a rate of about what a server's processor has when they no longer fit
 /// its caches. Small ones take less.
 ///
 /// @param held_nodes of the mesh, which do not move
 /// @param large_motion of CorotationalTissue; otherwise of LinearTissue
-/// @return infinite for a mesh that has too many tetrahedra around some of its nodes
 /// @throws std::invalid_argument for a node that does not exist
 [[nodiscard]] double predicted_set_up_s(const TetrahedralMesh& mesh, const std::vector<int>& held_nodes,
                                         bool large_motion);

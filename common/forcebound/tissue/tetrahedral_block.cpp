@@ -4,6 +4,21 @@
 
 namespace forcebound::tissue {
 
+void add_box(TetrahedralSoup& soup, const std::array<std::size_t, 8>& corners) {
+  soup.boxes.push_back(corners);
+  std::array<std::size_t, 3> axes{0, 1, 2};
+  do {
+    TetrahedralSoup::Tetrahedron tetrahedron;
+    std::size_t corner = 0;
+    tetrahedron.nodes[0] = corners[corner];
+    for (std::size_t step = 0; step < 3; ++step) {
+      corner += std::size_t{1} << axes[step];
+      tetrahedron.nodes[step + 1] = corners[corner];
+    }
+    soup.tetrahedra.push_back(tetrahedron);
+  } while (std::next_permutation(axes.begin(), axes.end()));
+}
+
 TetrahedralSoup tetrahedral_block(const BlockDescription& block) {
   using Steps = std::array<std::size_t, 3>;
   TetrahedralSoup soup{.name = "block", .nodes = {}, .tetrahedra = {}};
@@ -22,17 +37,9 @@ TetrahedralSoup tetrahedral_block(const BlockDescription& block) {
   }
   for (std::size_t cell = 0; cell < nx * ny * nz; ++cell) {
     const Steps corner{cell % nx, cell / nx % ny, cell / nx / ny};
-    Steps axes{0, 1, 2};
-    do {
-      Steps at = corner;
-      TetrahedralSoup::Tetrahedron tetrahedron;
-      tetrahedron.nodes[0] = node(at);
-      for (std::size_t step = 0; step < 3; ++step) {
-        ++at[axes[step]];
-        tetrahedron.nodes[step + 1] = node(at);
-      }
-      soup.tetrahedra.push_back(tetrahedron);
-    } while (std::next_permutation(axes.begin(), axes.end()));
+    std::array<std::size_t, 8> box{};
+    for (std::size_t k = 0; k < 8; ++k) box[k] = node({corner[0] + k % 2, corner[1] + k / 2 % 2, corner[2] + k / 4});
+    add_box(soup, box);
   }
   return soup;
 }

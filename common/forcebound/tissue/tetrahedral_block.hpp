@@ -15,7 +15,10 @@ struct BlockDescription {
   scene::Point size_m = scene::Point::Zero();  ///< > 0
 };
 
-/// A block of cells, each cut into six tetrahedra around its diagonal, so that they fit. Its nodes follow each other
+/// Adds a box of those corners, and its six tetrahedra.
+void add_box(TetrahedralSoup& soup, const std::array<std::size_t, 8>& corners);
+
+/// A block of boxes, each cut into six tetrahedra around its diagonal, so that they fit. Its nodes follow each other
 /// along x first, then y, then z.
 [[nodiscard]] TetrahedralSoup tetrahedral_block(const BlockDescription& block);
 

@@ -81,6 +81,7 @@ void TetrahedralMesh::add_nodes(const TetrahedralSoup& soup, const scene::MeshPl
                           placement.offset_m);
   }
   add_tetrahedra(soup, index);
+  add_boxes(soup, index);
 }
 
 void TetrahedralMesh::add_tetrahedra(const TetrahedralSoup& soup, const std::vector<int>& index) {
@@ -101,9 +102,43 @@ void TetrahedralMesh::add_tetrahedra(const TetrahedralSoup& soup, const std::vec
                                " is flat: six times its volume over its longest edge's cube must be > " +
                                text::to_text(kFlat) + ", got " + text::rounded(longest_m > 0 ? thickness : 0));
     }
-    if (volumes < 0) std::swap(tetrahedron[2], tetrahedron[3]);
+    if (volumes < 0) {
+      std::swap(tetrahedron[2], tetrahedron[3]);
+      std::swap(corners[2], corners[3]);
+    }
     tetrahedra_.push_back(tetrahedron);
-    volumes_m3_.push_back(std::abs(volumes) / 6);
+    // As whoever is given it turned finds it, to the bit.
+    volumes_m3_.push_back(six_volumes(corners) / 6);
+  }
+}
+
+void TetrahedralMesh::add_boxes(const TetrahedralSoup& soup, const std::vector<int>& index) {
+  if (soup.boxes.empty()) return;
+  if (soup.tetrahedra.size() != 6 * soup.boxes.size()) {
+    throw std::runtime_error(soup.name + ": expected six tetrahedra for each of " + std::to_string(soup.boxes.size()) +
+                             " boxes, got " + std::to_string(soup.tetrahedra.size()));
+  }
+  for (const auto& corners : soup.boxes) {
+    Box& box = boxes_.emplace_back();
+    std::ranges::transform(corners, box.begin(), [&](std::size_t corner) { return index[corner]; });
+  }
+  const auto from_first_m = [&](const Box& box, std::size_t corner) -> scene::Point {
+    return nodes_m_[box[corner]] - nodes_m_[box[0]];
+  };
+  Eigen::Matrix3d edges_m;
+  edges_m << from_first_m(boxes_[0], 1), from_first_m(boxes_[0], 2), from_first_m(boxes_[0], 4);
+  const Eigen::Array3d lengths_m = edges_m.colwise().norm().transpose();
+  const Eigen::Matrix3d axes = edges_m * lengths_m.inverse().matrix().asDiagonal();
+  if (!((axes.transpose() * axes - Eigen::Matrix3d::Identity()).norm() <= kOffMost && axes.determinant() > 0)) {
+    throw std::runtime_error(soup.name + ": expected right-angled boxes whose edges are a right-handed frame");
+  }
+  for (std::size_t b = 0; b < boxes_.size(); ++b) {
+    for (std::size_t corner = 1; corner < 8; ++corner) {
+      const Eigen::Vector3d far(corner % 2 == 1 ? 1 : 0, corner / 2 % 2 == 1 ? 1 : 0, corner >= 4 ? 1 : 0);
+      if ((from_first_m(boxes_[b], corner) - edges_m * far).norm() <= kOffMost * lengths_m.minCoeff()) continue;
+      throw std::runtime_error(soup.name + ": box " + std::to_string(b + 1) +
+                               " is not as the first: expected boxes that are alike but for their place");
+    }
   }
 }
 
@@ -129,12 +164,18 @@ void TetrahedralMesh::find_surface(const TetrahedralSoup& soup) {
       }
     }
   }
-  std::vector<bool> on_surface(nodes_m_.size(), false);
   for (const auto& [key, known] : found) {
-    if (known.count != 1) continue;
-    triangles_.push_back(known.first);
-    for (const int node : key) on_surface[node] = true;
+    if (known.count == 1) triangles_.push_back(known.first);
   }
+  find_surface_nodes();
+}
+
+void TetrahedralMesh::find_surface_nodes() {
+  std::vector<bool> on_surface(nodes_m_.size(), false);
+  for (const Triangle& triangle : triangles_) {
+    for (const int node : triangle) on_surface[node] = true;
+  }
+  surface_nodes_.clear();
   for (int node = 0; node < static_cast<int>(nodes_m_.size()); ++node) {
     if (on_surface[node]) surface_nodes_.push_back(node);
   }
@@ -155,6 +196,32 @@ void TetrahedralMesh::count_pieces() {
   for (const scene::Point& node_m : nodes_m_) places.push_back({node_m.x(), node_m.y(), node_m.z()});
   std::ranges::sort(places);
   coincident_nodes_ = static_cast<int>(places.end() - std::unique(places.begin(), places.end()));
+}
+
+TetrahedralMesh TetrahedralMesh::with_middles() const {
+  TetrahedralMesh finer = *this;
+  std::map<std::pair<int, int>, int> middles;
+  const auto middle_of = [&](int a, int b) {
+    const auto [known, is_new] = middles.try_emplace(std::minmax(a, b), static_cast<int>(finer.nodes_m_.size()));
+    if (is_new) finer.nodes_m_.emplace_back(0.5 * (nodes_m_[a] + nodes_m_[b]));
+    return known->second;
+  };
+  for (const Tetrahedron& corners : tetrahedra_) {
+    Middles& of_edges = finer.middles_.emplace_back();
+    for (std::size_t e = 0; e < kEdges.size(); ++e)
+      of_edges[e] = middle_of(corners[kEdges[e][0]], corners[kEdges[e][1]]);
+  }
+  finer.triangles_.clear();
+  for (const auto& [a, b, c] : triangles_) {
+    const int ab = middle_of(a, b);
+    const int bc = middle_of(b, c);
+    const int ca = middle_of(c, a);
+    for (const Triangle& part : {Triangle{a, ab, ca}, {b, bc, ab}, {c, ca, bc}, {ab, bc, ca}}) {
+      finer.triangles_.push_back(part);
+    }
+  }
+  finer.find_surface_nodes();
+  return finer;
 }
 
 double TetrahedralMesh::volume_m3() const noexcept {

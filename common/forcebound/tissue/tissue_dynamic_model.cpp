@@ -19,6 +19,10 @@ namespace {
 using text::rounded;
 using text::to_text;
 
+// A sphere pressed in by half its radius is too stiff by this share on edges as long as the radius, and by the square
+// of less on shorter ones: within a quarter of it as measured for blocks, on edges from half the radius to 1.2 of it.
+constexpr double kTooStiff = 0.36;
+
 // Nodes lower than the highest by less than this share of the body's height count as highest.
 constexpr double kAsHigh = 1e-3;
 
@@ -101,6 +105,23 @@ double stiffness_N_per_m_at(const scene::Point& place_m, double radius_m, const 
   return 1 / load.dot(moved_m);
 }
 
+std::string elements_in_words(const TetrahedralMesh& mesh) {
+  if (!mesh.boxes().empty()) return std::to_string(mesh.boxes().size()) + " boxes";
+  return std::to_string(mesh.tetrahedra().size()) + " tetrahedra of " + (mesh.middles().empty() ? "4" : "10") +
+         " nodes";
+}
+
+std::string coarseness_in_words(const TetrahedralMesh& mesh, double radius_m) {
+  const double edge_m = mesh.mean_edge_m();
+  const double share = kTooStiff * edge_m * edge_m / (radius_m * radius_m);
+  constexpr double kWell = 0.1;
+  std::string text = "the mesh makes a sphere half its radius deep about " + rounded(100 * share, 2) +
+                     " % too stiff: edges of its surface are " + rounded(1e3 * edge_m, 2) + " mm long";
+  if (share > kWell)
+    text += ", " + rounded(1e3 * radius_m * std::sqrt(kWell / kTooStiff), 2) + " mm would make it 10 %";
+  return text;
+}
+
 }  // namespace
 
 TissueDynamicModel::TissueDynamicModel(TissueDescription description)
@@ -146,7 +167,7 @@ scene::DynamicModelFacts TissueDynamicModel::facts() const {
   facts.stiffness_N_per_m = probe_.contact_stiffness_N_per_m;
   facts.describes_itself = true;
   facts.lines = {
-      std::to_string(mesh.nodes_m().size()) + " nodes, " + std::to_string(mesh.tetrahedra().size()) + " tetrahedra, " +
+      std::to_string(mesh.nodes_m().size()) + " nodes, " + elements_in_words(mesh) + ", " +
           std::to_string(mesh.surface_nodes().size()) + " nodes on the surface, " +
           std::to_string(std::ranges::count(held, true)) + " held" + pieces_in_words(mesh),
       "elastic: Young's modulus " + to_text(material_.young_Pa) + " Pa, Poisson's ratio " + to_text(material_.poisson)};
@@ -155,6 +176,7 @@ scene::DynamicModelFacts TissueDynamicModel::facts() const {
   } else {
     describe(std::get<CorotationalTissue>(law_), facts);
   }
+  if (probe_.radius_m > 0) facts.lines.push_back(coarseness_in_words(mesh, probe_.radius_m));
   facts.lines.push_back("set up in about " + rounded(set_up_s_, 1) + " s, or less");
   return facts;
 }
@@ -181,7 +203,6 @@ void TissueDynamicModel::describe(const TissueModel& model, const std::vector<bo
   facts.lines.push_back("shared, by at most " + std::to_string(facts.seats_max) + " clients, it takes " +
                         std::to_string(OtherContacts::memory_bytes(tissue.surface_nodes())) +
                         " bytes more, and more time the more of them touch it");
-  if (const std::string warning = tissue.warning(); !warning.empty()) facts.lines.push_back(warning);
 }
 
 void TissueDynamicModel::describe(const CorotationalTissue& tissue, scene::DynamicModelFacts& facts) const {

@@ -1,15 +1,19 @@
 #include "forcebound/tissue/tissue_shape.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <memory>
 #include <new>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/tissue/set_up.hpp"
+#include "forcebound/tissue/tetrahedral_block.hpp"
 
 namespace forcebound::tissue {
 namespace {
@@ -60,26 +64,36 @@ std::size_t index_of(std::string_view key, double number, std::size_t count) {
   return static_cast<std::size_t>(number);
 }
 
+template <std::size_t kCorners>
+std::array<std::size_t, kCorners> corners_of(std::string_view key, const std::vector<double>& row, std::size_t nodes) {
+  std::array<std::size_t, kCorners> corners{};
+  for (std::size_t corner = 0; corner < kCorners; ++corner) corners[corner] = index_of(key, row.at(corner), nodes);
+  return corners;
+}
+
+/// The server's own to the bit, as all that follows from it, such as the middles.
 TetrahedralMesh mesh_of(const config::Values& values) {
   const config::Rows& nodes = values.rows("nodes_m");
   const config::Rows& tetrahedra = values.rows("tetrahedra");
-  if (tetrahedra.empty() || tetrahedra.size() > kShapeTetrahedraMost)
-    refuse_value("tetrahedra", "are " + std::to_string(tetrahedra.size()) + ": expected 1 to " +
-                                   std::to_string(kShapeTetrahedraMost));
+  const config::Rows& boxes = values.rows("boxes");
+  const bool middles = values.flag("middles");
+  if (!boxes.empty() && (!tetrahedra.empty() || middles)) refuse_value("boxes", "come without tetrahedra or middles");
+  const std::size_t elements = boxes.size() + tetrahedra.size();
+  if (elements == 0 || elements > kShapeElementsMost)
+    refuse_value("tetrahedra",
+                 "or boxes are " + std::to_string(elements) + ": expected 1 to " + std::to_string(kShapeElementsMost));
   TetrahedralSoup soup{.name = "tissue", .nodes = {}, .tetrahedra = {}};
   for (const std::vector<double>& row : nodes) {
     const scene::Point node_m(row[0], row[1], row[2]);
     if (!(node_m.cwiseAbs().maxCoeff() <= scene::kLengthMost_m)) refuse_value("nodes_m", "are farther than any device");
     soup.nodes.push_back(node_m);
   }
-  for (const std::vector<double>& row : tetrahedra) {
-    TetrahedralSoup::Tetrahedron& one = soup.tetrahedra.emplace_back();
-    for (std::size_t corner = 0; corner < row.size(); ++corner)
-      one.nodes.at(corner) = index_of("tetrahedra", row[corner], nodes.size());
-  }
-  TetrahedralMesh mesh(soup);
-  if (mesh.nodes_m().size() != nodes.size()) refuse_value("nodes_m", "include some that no tetrahedron has");
-  return mesh;
+  for (const std::vector<double>& row : tetrahedra)
+    soup.tetrahedra.push_back({.nodes = corners_of<4>("tetrahedra", row, nodes.size())});
+  for (const std::vector<double>& row : boxes) add_box(soup, corners_of<8>("boxes", row, nodes.size()));
+  const TetrahedralMesh mesh(soup);
+  if (mesh.nodes_m().size() != nodes.size()) refuse_value("nodes_m", "include some that no element has");
+  return middles ? mesh.with_middles() : mesh;
 }
 
 std::unique_ptr<scene::Shape> make_tissue(const config::Values& values) {
@@ -98,7 +112,7 @@ std::unique_ptr<scene::Shape> make_tissue(const config::Values& values) {
 }
 
 template <class Row>
-config::Rows rows_of(const std::vector<Row>& from) {
+config::Rows rows_of(std::span<const Row> from) {
   config::Rows rows;
   rows.reserve(from.size());
   for (const Row& row : from) rows.emplace_back(row.begin(), row.end());
@@ -113,6 +127,8 @@ scene::ShapeKind tissue_shape() {
           .parameters =
               {config::RowsParameter{.key = "nodes_m", .meaning = "in the scene", .columns = 3},
                config::RowsParameter{.key = "tetrahedra", .meaning = "four nodes each, from 0", .columns = 4},
+               config::FlagParameter{.key = "middles", .meaning = "of their edges are nodes too, after the others"},
+               config::RowsParameter{.key = "boxes", .meaning = "eight nodes each, in place of those", .columns = 8},
                config::RowsParameter{.key = "held", .meaning = "nodes that do not move", .columns = 1},
                config::positive_number("young_Pa", "Young's modulus", kStiffest_Pa),
                config::NumberParameter{.key = "poisson", .meaning = "Poisson's ratio", .least = -1, .most = 0.5},
@@ -129,8 +145,10 @@ scene::ShapeKind tissue_shape() {
 
 bool fits_client(const TissueModel& model, double set_up_s) noexcept {
   const LinearTissue& tissue = model.tissue();
+  const TetrahedralMesh& mesh = tissue.mesh();
+  const std::size_t elements = mesh.boxes().empty() ? mesh.tetrahedra().size() : mesh.boxes().size();
   const auto compliance = static_cast<std::size_t>(tissue.compliance_m_per_N().size());
-  return tissue.mesh().tetrahedra().size() <= kShapeTetrahedraMost && compliance <= kShapeBytesMost / sizeof(double) &&
+  return elements <= kShapeElementsMost && compliance <= kShapeBytesMost / sizeof(double) &&
          set_up_s <= kShapeSetUpMost_s && model.step_ns() <= kShapeStepMost_ns &&
          model.options().contact_stiffness_N_per_m <= kStiffest_N_per_m && tissue.material().young_Pa <= kStiffest_Pa;
 }
@@ -139,13 +157,20 @@ scene::PartDescription tissue_part(const TissueModel& model, const std::vector<i
   const LinearTissue& tissue = model.tissue();
   const TetrahedralMesh& mesh = tissue.mesh();
   const double stiffness_N_per_m = model.options().contact_stiffness_N_per_m;
+  const bool of_boxes = !mesh.boxes().empty();
+  int last_corner = 0;
+  for (const TetrahedralMesh::Tetrahedron& one : mesh.tetrahedra())
+    last_corner = std::max(last_corner, std::ranges::max(one));
+  const auto corners_m = std::span(mesh.nodes_m()).first(static_cast<std::size_t>(last_corner) + 1);
   config::Rows held;
   for (const int node : held_nodes) held.push_back({static_cast<double>(node)});
   return scene::PartDescription{
       .name = {},
       .shape = scene::NamedValues{"tissue",
-                                  {{"nodes_m", rows_of(mesh.nodes_m())},
-                                   {"tetrahedra", rows_of(mesh.tetrahedra())},
+                                  {{"nodes_m", rows_of(corners_m)},
+                                   {"tetrahedra", of_boxes ? config::Rows{} : rows_of(std::span(mesh.tetrahedra()))},
+                                   {"middles", !mesh.middles().empty()},
+                                   {"boxes", rows_of(std::span(mesh.boxes()))},
                                    {"held", std::move(held)},
                                    {"young_Pa", tissue.material().young_Pa},
                                    {"poisson", tissue.material().poisson},

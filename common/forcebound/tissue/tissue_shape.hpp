@@ -11,7 +11,7 @@
 namespace forcebound::tissue {
 
 /// What a client gives for one tissue; more is neither handed over nor made.
-inline constexpr std::size_t kShapeTetrahedraMost = 8000;
+inline constexpr std::size_t kShapeElementsMost = 8000;                ///< tetrahedra or boxes
 inline constexpr std::size_t kShapeBytesMost = std::size_t{1} << 27U;  ///< of the compliance
 inline constexpr double kShapeSetUpMost_s = 10;                        ///< predicted
 inline constexpr double kShapeStepMost_ns = 200e3;                     ///< predicted, of a tick

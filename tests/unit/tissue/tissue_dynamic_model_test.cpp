@@ -98,7 +98,7 @@ TEST(TissueDynamicModel, TimeDoesNotMatter) {
 TEST(TissueDynamicModel, FactsSayWhatItConsistsOf) {
   const auto dynamic_models = blocks();
   const scene::DynamicModelFacts linear = dynamic_models[0].facts();
-  EXPECT_THAT(linear.lines, Contains("196 nodes, 648 tetrahedra, 146 nodes on the surface, 49 held"));
+  EXPECT_THAT(linear.lines, Contains("196 nodes, 108 boxes, 146 nodes on the surface, 49 held"));
   EXPECT_THAT(linear.lines, Contains("elastic: Young's modulus 5000 Pa, Poisson's ratio 0.4"));
   EXPECT_THAT(linear.lines, Contains("linear: small displacements and rotations, no inertia"));
   EXPECT_THAT(linear.lines, Contains(HasSubstr("felt by a point, a contact of 1e+05 N/m")));
@@ -150,10 +150,15 @@ TEST(TissueDynamicModel, StiffnessIsThatOfTheStiffestPlaceThatCanBeTouched) {
   EXPECT_NEAR(stiffness_N_per_m / stiffest_N_per_m, 1, 1e-6);
 }
 
-TEST(TissueDynamicModel, WarnsOfTissueThatLocks) {
-  TissueDescription locking = block_description();
-  locking.material.poisson = 0.4999;
-  EXPECT_THAT(TissueDynamicModel(std::move(locking)).facts().lines, Contains(HasSubstr("the tetrahedra lock")));
+TEST(TissueDynamicModel, SaysHowCoarseTheMeshIsForItsContact) {
+  EXPECT_THAT(
+      block({.radius_m = 0.01}).facts().lines,
+      Contains("the mesh makes a sphere half its radius deep about 47 % too stiff: edges of its surface are 11 mm "
+               "long, 5.3 mm would make it 10 %"));
+  EXPECT_THAT(
+      block({.radius_m = 0.04}).facts().lines,
+      Contains("the mesh makes a sphere half its radius deep about 2.9 % too stiff: edges of its surface are 11 mm "
+               "long"));
 }
 
 TEST(TissueDynamicModel, CountsWhatItCouldNotDo) {

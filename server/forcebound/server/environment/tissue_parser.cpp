@@ -43,17 +43,14 @@ TableDescription tissue_table() {
   const ProbeOptions preset;
   return {
       "`[[tissue]]`",
-      "An elastic body of tetrahedra, quasi-static, without friction.",
+      "An elastic body, quasi-static, without friction.",
       {config::name_of_part(), OtherParameter{.key = "shape", .meaning = "see below"},
        OtherParameter{.key = "held",
                       .meaning = "what does not move, where the tissue lies in the scene: the nodes on or below a "
                                  "plane, by the keys of a [half_space](#half_space), or those in a block, by the keys "
                                  "of a [box](#box)"},
        positive_number("young_Pa", "Young's modulus: 1e3 for brain, 1e4 for liver, 1e5 for skin"),
-       NumberParameter{.key = "poisson",
-                       .meaning = "Poisson's ratio; what is above 0.45 locks, and `--explain` says so",
-                       .least = 0,
-                       .most = 0.4999},
+       NumberParameter{.key = "poisson", .meaning = "Poisson's ratio", .least = 0, .most = 0.4999},
        NumberParameter{
            .key = "probe_radius_m",
            .meaning = "of the sphere that touches it; 0: a point, which sinks in the deeper the finer the mesh",
@@ -83,7 +80,8 @@ TableDescription tissue_table() {
 TableDescription tissue_of_file_table() {
   TableDescription table{
       "`shape = { kind = \"mesh\", ... }` of a `[[tissue]]`",
-      "Tetrahedra from a file.",
+      "Tetrahedra from a file, quadratic but with `large_motion`: linear ones bend too little, and lock above "
+      "`poisson` 0.45.",
       {TextParameter{
           .key = "file", .meaning = "Gmsh, ASCII of version 1, 2 or 4.1", .form = TextParameter::Form::file}}};
   for (Parameter& parameter : scene::placement_parameters()) table.keys.push_back(std::move(parameter));
@@ -91,8 +89,8 @@ TableDescription tissue_of_file_table() {
 }
 
 TableDescription tissue_block_table() {
-  TableDescription table{"`shape = { kind = \"block\", ... }` of a `[[tissue]]`",
-                         "A block along the axes, of cells of six tetrahedra each.", scene::box_shape().parameters};
+  TableDescription table{"`shape = { kind = \"block\", ... }` of a `[[tissue]]`", "A block along the axes, of cells.",
+                         scene::box_shape().parameters};
   table.keys.emplace_back(scene::rotation_parameter(
       "roll, pitch and yaw: turned about its center and the directions of the scene's x, then y, then z axis"));
   table.keys.emplace_back(config::PointParameter{
@@ -117,7 +115,7 @@ TetrahedralMesh make_block(const Values& values) {
       turns ? turned : scene::MeshPlacement{});
 }
 
-TetrahedralMesh parse_mesh_of_tissue(CheckedTable& tissue, std::string& text) {
+TetrahedralMesh parse_mesh_of_tissue(CheckedTable& tissue, bool large_motion, std::string& text) {
   CheckedTable shape = tissue.table("shape");
   const bool is_file = shape.choice({.key = "kind", .choices = {"mesh", "block"}}) == "mesh";
   const std::vector<Parameter> keys = (is_file ? tissue_of_file_table() : tissue_block_table()).keys;
@@ -129,7 +127,8 @@ TetrahedralMesh parse_mesh_of_tissue(CheckedTable& tissue, std::string& text) {
     if (!is_file) return make_block(values);
     const TetrahedralSoup soup = tissue::load_gmsh(shape.path_at("file", values.text("file")));
     tissue::check_tetrahedra(static_cast<double>(soup.tetrahedra.size()));
-    return TetrahedralMesh(soup, scene::placement_of(values));
+    TetrahedralMesh mesh(soup, scene::placement_of(values));
+    return large_motion ? mesh : mesh.with_middles();
   });
 }
 
@@ -163,7 +162,7 @@ scene::SceneDynamicModel parse_tissue(CheckedTable& table, const std::string& na
   table.refuse_unknown_keys();
   const Values values = completed(keys, given);
   std::string shape_text;
-  TetrahedralMesh mesh = parse_mesh_of_tissue(table, shape_text);
+  TetrahedralMesh mesh = parse_mesh_of_tissue(table, values.flag("large_motion"), shape_text);
   shape_text += tissue::pieces_in_words(mesh);
   std::vector<int> held = parse_held(table, mesh);
   return table.built_at(table.node(), [&] {

@@ -118,7 +118,7 @@ TEST(Explain, GivesTheBoundingBoxOfFiniteShapes) {
               HasSubstr("box:        [-0.03, -0.03, -0.02] to [0.03, 0.03, 0.02] m,\n              60 x 60 x 40 mm\n"));
   EXPECT_THAT(explain(*load_scene("circle")),
               HasSubstr("[-0.04, -0.04] to [0.04, 0.04] m,\n              80 x 80 mm\n"));
-  EXPECT_THAT(explain(*load_scene("palpation")), HasSubstr("100 x 100 x 40 mm\n"));
+  EXPECT_THAT(explain(*load_scene("palpation")), HasSubstr("60 x 60 x 30 mm\n"));
   EXPECT_THAT(explain(*load_scene("plane")), Not(HasSubstr("box: "))) << "it has no end";
 }
 
