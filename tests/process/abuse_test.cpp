@@ -262,7 +262,7 @@ TEST(ANetworkThatCorruptsAndDuplicates, IsCountedExactlyAtBothEnds) {
 TEST(AServerWithoutMemory, RefusesSessionsAndGoesOn) {
   if (!time::kCountsHeapOperations) GTEST_SKIP() << "a sanitizer has terabytes of its own";
   const std::string address = free_address();
-  const std::string limited = "ulimit -v 300000; exec \"$0\" \"$@\"";
+  const std::string limited = "ulimit -v 170000; exec \"$0\" \"$@\"";
   Process server("/bin/sh",
                  {"-c", limited, kServer, "--listen", address, "--scene", "soft_pad", "--sessions-max", "500"});
   ASSERT_TRUE(server.wait_for("listening on "));
@@ -270,10 +270,11 @@ TEST(AServerWithoutMemory, RefusesSessionsAndGoesOn) {
   // On a slow machine one of them may also have no answer in time.
   EXPECT_THAT(many.err,
               testing::AnyOf("", testing::HasSubstr("not enough memory"), testing::HasSubstr("no answer from")));
-  // Whether there is memory for one more depends on how many of them are gone; it is answered in any case.
+  // Whether there is room for one more depends on how many of them are gone; it is answered in any case.
   Client one_more(address, {"--device", "omni"});
   const auto contains = [&](const char* text) { return one_more.err().find(text) != std::string::npos; };
-  EXPECT_TRUE(becomes_true([&] { return contains(" connected; ") || contains("not enough memory"); }));
+  EXPECT_TRUE(becomes_true(
+      [&] { return contains(" connected; ") || contains("not enough memory") || contains("this server is busy"); }));
   one_more.stop();
   EXPECT_EQ(server.stop(), 0);
   EXPECT_GT(counted(server.out(), "sessions", "opened"), 0U);

@@ -67,7 +67,7 @@ TEST(Setup, ALibraryThatTestsUseAndThatIsMissingLeavesOutTheirSourcesAlone) {
   EXPECT_THAT(left_out.out,
               HasSubstr("SKIPPED: embree is not installed (Debian: libembree-dev): without bvh_test.cpp\n"));
   EXPECT_THAT(left_out.out, HasSubstr("SKIPPED: rapidcheck is not installed (Debian: librapidcheck-dev): without "
-                                      "codec_abuse_test.cpp codec_test.cpp\n"));
+                                      "codec_abuse_test.cpp codec_size_test.cpp codec_test.cpp\n"));
   const Ran listed = run("/usr/bin/env", {"ctest", "--test-dir", build, "-N"});
   for (const char* const there : {": wire_test\n", ": scene_test.1\n", ": control_test.1\n", ": http_test\n"}) {
     EXPECT_THAT(listed.out, HasSubstr(there));

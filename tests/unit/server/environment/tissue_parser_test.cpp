@@ -96,7 +96,7 @@ TEST(TissueParser, PlacesAFileByScaleRotationAndOffsetAsMeshesAre) {
   EXPECT_LT((box_m.max() - scene::Point(0.14, 0.02, 0)).norm(), 1e-15);
   EXPECT_THAT(explain(*scene),
               AllOf(HasSubstr("box:        [0.1, 0, -0.02] to [0.14, 0.02, 0] m,\n              40 x 20 x 20 mm\n"),
-                    HasSubstr("3 held"), testing::Not(HasSubstr("warning"))));
+                    HasSubstr("6 held"), testing::Not(HasSubstr("warning"))));
   EXPECT_THAT(explain(*parse_scene(corner(folder, "scale = 1", "{ through_m = [0, 0, 0], normal = [0, 0, 1] }"), file)),
               HasSubstr("warning: larger than 1 m for a hand; is a scale missing? (0.001 for mm)\n"));
   EXPECT_THAT([&] { parse_scene(corner(folder, "rotation_deg = [1, 2]", "{}"), file); },
