@@ -68,7 +68,7 @@ TEST(LocalRendering, IsTheSameForTheSameSeed) {
 TEST(LocalRendering, FeelsAMeshWhileItsPiecesStillCome) {
   ClosedLoop::Settings slow = settings(handover::mesh_scene(test::ball(0.03, 60)), "delay 20ms loss 10%", true,
                                        "stroke:height_m=0.01,depth_m=0.004,offset_z_m=0.03");
-  slow.handover.bytes_per_s = 60e3;
+  slow.handover.bytes_per_s = 80e3;
   Watch watch;
   ClosedLoop loop(std::move(slow), {&watch});
   loop.run(1500ms);
