@@ -7,7 +7,7 @@ namespace forcebound::client::commands {
 std::span<const FeltClass> felt_classes() noexcept {
   static constexpr std::array kClasses{
       FeltClass{"static", "walls, shapes, meshes, friction", {1, 0.225, 0.042, 0.002}, {1, 1, 1, 1}},
-      FeltClass{"tissue", "tissue that is pressed or stroked", {1, 0.954, 0.294, 0.051}, {1, 1, 1, 1}},
+      FeltClass{"tissue", "tissue that is pressed or stroked", {1, 0.955, 0.348, 0.091}, {1, 1, 1, 1}},
       FeltClass{"body", "a body that only the hand moves", {1, 0.917, -0.247, -0.776}, {1, 0.916, 0.998, 1.001}},
       FeltClass{"body-at-stop", "a body pushed against a stop", {1, 0.98, 0.329, 0.039}, {1, 1, 1, 1}}};
   return kClasses;
