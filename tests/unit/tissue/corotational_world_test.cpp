@@ -110,7 +110,7 @@ struct HandsWork {
 };
 
 /// Both go round on closed ways, by turns; their work by the trapezoidal rule over the forces that they were given.
-HandsWork go_round(const CorotationalTissue& tissue, double depth_m, int steps) {
+HandsWork two_hands_go_round(const CorotationalTissue& tissue, double depth_m, int steps) {
   CorotationalTissueWorld world(tissue, 2);
   while (world.join() >= 0) continue;
   std::array<scene::Point, 2> before_m{scene::Point::Zero(), scene::Point::Zero()};
@@ -138,7 +138,7 @@ HandsWork go_round(const CorotationalTissue& tissue, double depth_m, int steps) 
 }
 
 TEST(CorotationalTissueWorld, ReturnsToTwoHandsWhatTheyGave) {
-  const HandsWork work = go_round(compressible_block(), 0.003, 800);
+  const HandsWork work = two_hands_go_round(compressible_block(), 0.003, 800);
   EXPECT_GT(work.least_left, -1e-4);
   // That each knows where the other was a motion before costs a share that falls with the step.
   EXPECT_GT(work.lost, 0);
@@ -148,11 +148,11 @@ TEST(CorotationalTissueWorld, ReturnsToTwoHandsWhatTheyGave) {
 TEST(CorotationalTissueWorld, LosesNoMoreByLaggingWhereDeepPointsSlipOffFolds) {
   // More than half a cell deep, points catch at folds between cells; slipping off takes half of the energy, at steps of
   // any length.
-  const HandsWork lagging = go_round(compressible_block(), 0.006, 200);
-  CorotationalOptions patient = kUsual;
-  patient.iterations_max = 60;
-  patient.linear_iterations_max = 200;
-  const HandsWork settled = go_round(compressible_block(patient), 0.006, 200);
+  const HandsWork lagging = two_hands_go_round(compressible_block(), 0.006, 200);
+  CorotationalOptions thorough = kUsual;
+  thorough.iterations_max = 60;
+  thorough.linear_iterations_max = 200;
+  const HandsWork settled = two_hands_go_round(compressible_block(thorough), 0.006, 200);
   EXPECT_GT(lagging.least_left, -1e-3);
   EXPECT_GT(settled.least_left, -1e-3);
   EXPECT_NEAR(lagging.lost, settled.lost, 0.05);
