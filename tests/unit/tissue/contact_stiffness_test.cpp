@@ -18,17 +18,19 @@ namespace {
 
 using test::kThickTop_m;
 
-/// A law of tissue, and how far its local model may be off where it is pressed: a linear one knows its slope but for
-/// the way that the contact slides; one under large motion has the stiffness of its nodes as they turned, not as they
-/// stretched.
+/// A law of tissue, and how far its local model may be off where it is pressed that deep: a linear one knows its slope
+/// but for the way that the contact slides, which counts with the square of the depth; one under large motion has the
+/// stiffness of its nodes as they turned, not as they stretched.
 struct TissueLaw {
   std::string name;
   ProbeOptions probe;
   bool large_motion;
   double off_most;
+  double depth_m = 0.002;
 };
 
-const std::array<TissueLaw, 4> kTissueLaws{
+const std::array<TissueLaw, 5> kTissueLaws{
+    TissueLaw{.name = "BarelyPressedPoint", .probe = {}, .large_motion = false, .off_most = 0.01, .depth_m = 0.0005},
     TissueLaw{.name = "Point", .probe = {}, .large_motion = false, .off_most = 0.12},
     TissueLaw{.name = "Sphere", .probe = {.radius_m = 0.01}, .large_motion = false, .off_most = 0.1},
     TissueLaw{.name = "TiedPoint", .probe = {.contact_stiffness_N_per_m = 1e3}, .large_motion = true, .off_most = 0.2},
@@ -78,17 +80,17 @@ class DescribedContact : public ::testing::TestWithParam<TissueLaw> {
 };
 
 TEST_P(DescribedContact, HasTheForceAndItsSlopeAlongTheNormal) {
-  constexpr double kDepth_m = 0.002;
+  const double depth_m = GetParam().depth_m;
   constexpr double kNudge_m = 1e-4;
-  const scene::Point force_N = press(kDepth_m);
+  const scene::Point force_N = press(depth_m);
   const local_model::Surface told = described();
   ASSERT_GT(force_N.norm(), 0.01);
   EXPECT_EQ(told.force_N, force_N);
-  EXPECT_TRUE((told.stiffness_N_per_m * (told.place_m - at(-kDepth_m))).isApprox(force_N, 1e-6))
+  EXPECT_TRUE((told.stiffness_N_per_m * (told.place_m - at(-depth_m))).isApprox(force_N, 1e-6))
       << "the plane lies where this force ends";
   const scene::Point out_m = kNudge_m * told.normal;
-  const scene::Point outer_N = to(at(-kDepth_m) + out_m, 30);
-  const scene::Point inner_N = to(at(-kDepth_m) - out_m, 30);
+  const scene::Point outer_N = to(at(-depth_m) + out_m, 30);
+  const scene::Point inner_N = to(at(-depth_m) - out_m, 30);
   const double slope_N_per_m = (inner_N - outer_N).dot(told.normal) / (2 * kNudge_m);
   const double reported_N_per_m = told.normal.dot(told.stiffness_N_per_m * told.normal);
   EXPECT_NEAR(reported_N_per_m / slope_N_per_m, 1, GetParam().off_most);
@@ -109,17 +111,17 @@ TEST_P(DescribedContact, IsThereBeforeItIsTouchedWhereItWillBe) {
 }
 
 TEST_P(DescribedContact, LeavesTheTissueAsItIs) {
-  press(0.002);
-  const scene::Point once_N = to(at(-0.002));
+  press(GetParam().depth_m);
+  const scene::Point once_N = to(at(-GetParam().depth_m));
   (void)described();
   (void)described();
-  const scene::Point again_N = to(at(-0.002));
+  const scene::Point again_N = to(at(-GetParam().depth_m));
   EXPECT_LT((again_N - once_N).norm(), 1e-3 * once_N.norm());
 }
 
 TEST_P(DescribedContact, DoesNotAllocate) {
   FORCEBOUND_SKIP_UNLESS_ALLOCATIONS_COUNT();
-  press(0.002);
+  press(GetParam().depth_m);
   local_model::LocalModel told;
   const test::AllocationGuard guard;
   EXPECT_TRUE(state->describe(seat, told));

@@ -172,17 +172,26 @@ Loop go_round(const TissueModel& model, double depth_m, int steps) {
 }
 
 TEST(TissueModel, AClosedLoopTakesWhatItReturns) {
-  for (const ProbeOptions& options : probes()) {
+  for (ProbeOptions options : probes()) {
+    // So that no slide ends before its place, which would lose energy.
+    options.iterations_max = 200;
     for (const double depth_m : {0.001, 0.003}) {
       SCOPED_TRACE(testing::Message() << "radius " << options.radius_m << " m, depth " << depth_m << " m");
       const Loop loop = go_round(block_model(options), depth_m, 4000);
       EXPECT_GT(loop.peak_J, 1e-5);
-      // What the trapezoidal rule makes of 4000 steps, and of kinks where contacts begin; a point slips, and only
-      // loses.
-      EXPECT_GT(loop.work_J, -3e-4 * loop.peak_J);
-      EXPECT_LT(loop.work_J, (options.radius_m > 0 ? 3e-4 : 5e-3) * loop.peak_J);
+      // What the trapezoidal rule makes of 4000 steps, and of kinks where contacts begin.
+      EXPECT_NEAR(loop.work_J, 0, 3e-4 * loop.peak_J);
     }
   }
+}
+
+TEST(TissueModel, APointWhoseSlidesEndEarlyLosesLessTheSlowerItMoves) {
+  const TissueModel model = block_model({});
+  const Loop loop = go_round(model, 0.003, 4000);
+  const Loop slower = go_round(model, 0.003, 16000);
+  EXPECT_GT(loop.work_J, 0);
+  EXPECT_LT(loop.work_J, 2e-3 * loop.peak_J);
+  EXPECT_LT(slower.work_J, 0.35 * loop.work_J);
 }
 
 TEST(TissueModel, APointNeverReturnsMoreThanItTookAlsoWhereItSlipsOff) {

@@ -242,7 +242,7 @@ struct Work {
 
 // Both press and go round, in turns, each on a closed way of its own; each hand's work by the trapezoidal rule over the
 // forces as it was told them.
-Work go_round(const TissueModel& model, int steps) {
+Work two_go_round(const TissueModel& model, double depth_m, int steps) {
   Two two(model);
   std::array<scene::Point, 2> before_m{scene::Point::Zero(), scene::Point::Zero()};
   std::array<scene::Point, 2> before_N{scene::Point::Zero(), scene::Point::Zero()};
@@ -250,9 +250,9 @@ Work go_round(const TissueModel& model, int steps) {
   for (int n = 0; n <= steps; ++n) {
     for (const std::size_t seat : {0U, 1U}) {
       const double angle = 2 * std::numbers::pi * n / steps - (seat == 0 ? 0 : 0.4);
-      const double depth_m = 0.002 - 0.005 * 0.5 * (1 - std::cos(angle));
+      const double height_m = 0.002 - (0.002 + depth_m) * 0.5 * (1 - std::cos(angle));
       const scene::Point tip_m(0.022 + 0.016 * static_cast<double>(seat) + 0.006 * std::sin(angle),
-                               0.033 + 0.004 * std::sin(2 * angle), kThickTop_m + depth_m);
+                               0.033 + 0.004 * std::sin(2 * angle), kThickTop_m + height_m);
       const TissueResult& result = two.move(static_cast<int>(seat), tip_m);
       EXPECT_EQ(result.contacts_left_out, 0);
       if (n > 0) work.by_hands_J -= 0.5 * (result.force_N + before_N[seat]).dot(tip_m - before_m[seat]);
@@ -267,12 +267,15 @@ Work go_round(const TissueModel& model, int steps) {
 TEST(LinearTissueWorld, TwoHandsInLoopsGetNoMoreEnergyThanTheyGave) {
   for (const TissueModel& model : models()) {
     SCOPED_TRACE(model.options().radius_m);
-    const Work work = go_round(model, 4000);
-    EXPECT_GT(work.peak_J, 5e-4);
-    // That each knows where the other was a motion before costs one part in some thousands; a point slips, and only
-    // loses.
+    const Work work = two_go_round(model, 0.0015, 4000);
+    const Work deep = two_go_round(model, 0.003, 4000);
+    EXPECT_GT(work.peak_J, 1e-4);
     EXPECT_GT(work.by_hands_J, -1e-4 * work.peak_J);
-    EXPECT_LT(work.by_hands_J, (model.options().radius_m > 0 ? 5e-4 : 8e-2) * work.peak_J);
+    EXPECT_GT(deep.by_hands_J, -1e-4 * deep.peak_J);
+    // That each knows where the other was a motion before costs a share that falls with the step.
+    EXPECT_LT(work.by_hands_J, 2e-3 * work.peak_J);
+    // Deeper, one point catches at a fold between cells and slips off, which takes 4 to 5 % at steps of any length.
+    EXPECT_LT(deep.by_hands_J, (model.options().radius_m > 0 ? 5e-4 : 6e-2) * deep.peak_J);
   }
 }
 
