@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "forcebound/client/commands/doctor/felt_stiffness.hpp"
 #include "tests/unit/client/commands/doctor/sound_findings.hpp"
 
 namespace forcebound::client::commands {
@@ -29,10 +30,10 @@ TEST(DoctorVerdict, TellsWhatEachClassOfScenesDisplaysBehindTheMedianRoundTrip) 
   ASSERT_THAT(near.felt, SizeIs(4));
   EXPECT_EQ(near.felt[0].name, "static");
   EXPECT_DOUBLE_EQ(near.felt[0].at_client, 1);
-  EXPECT_DOUBLE_EQ(near.felt[0].at_server, 0.225);
+  EXPECT_DOUBLE_EQ(near.felt[0].at_server, felt_classes()[0].at_server[1]);
   EXPECT_EQ(near.felt[1].name, "tissue");
   EXPECT_DOUBLE_EQ(near.felt[1].at_client, 1) << "no more than without a network";
-  EXPECT_DOUBLE_EQ(near.felt[1].at_server, 0.954);
+  EXPECT_DOUBLE_EQ(near.felt[1].at_server, felt_classes()[1].at_server[1]);
   found.network.round_trip.p50_ms = 200;
   const DoctorVerdict far = doctor_verdict(found);
   EXPECT_DOUBLE_EQ(far.felt[2].at_client, 1);
