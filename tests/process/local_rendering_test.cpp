@@ -60,10 +60,11 @@ TEST(LocalRendering, GoesOnWhileTheServerIsDeadAndWithTheNextOne) {
 
 //   hand on tissue -- client ==( 50 ms each way, jitter, loss )== server
 TEST(LocalRendering, RunsTissueAtTheClient) {
-  Server server({"--scene", "palpation"});
+  Server server({"--scene", "pad"});
   Relay relay(server.address(), {"--netem", "delay 50ms 10ms loss 5%"});
   RecordedClient client(relay.address(),
-                        {"--device", "omni", "--operator", "stroke:offset_z_m=0.01", "--rendering", "local"});
+                        {"--device", "firm-3dof", "--operator",
+                         "stroke:depth_m=0.006,length_m=0.02,stiffness_N_per_m=1000", "--rendering", "local"});
   ASSERT_TRUE(client.wait_for("the scene has arrived")) << client.err();
   EXPECT_TRUE(client.wait_for_tick(
       [](const auto& tick) { return tick.rendering == record::ForceOrigin::at_client && is_pressed(tick); }));
