@@ -276,7 +276,7 @@ TEST(AccuracyFigure, HasEverySettingBehindEachNetworkAndMarksTheLeastErrorOnce) 
   const Json study = committed("accuracy-results.json");
   const results::Figure figure = study_figure(study);
   const std::size_t networks = study.at("settings").at(0).at("behind").size();
-  EXPECT_EQ(lines_with(figure.csv, "\"[ 9, 9, 3 ]\","), networks);
+  EXPECT_EQ(lines_with(figure.csv, "\"[9, 9, 3]\","), networks);
   EXPECT_THAT(figure.subtitle, HasSubstr("tissue.pad.shape.cells"));
   // By round trip: all errors, and those that are marked.
   std::map<std::string, std::vector<double>> errors;
