@@ -132,7 +132,7 @@ constexpr Run kRuns[] = {
     {"pick_and_place", "fba-exact", "0704a167e2db85e8"},
     {"plane", "fba-exact", "4241d449cebd3273"},
     {"pottery", "fba-exact", "984ebb9dc94a1a04"},
-    {"soft_pad", "fba-exact", "2e3ae2f3192156c3"},
+    {"soft_pad", "fba-exact", "54cb72aac446b83c"},
     {"sphere", "fba-exact", "906646b310b6e182"},
     {"spring_to_line", "fba-exact", "dde33bc5ed01a4a1"},
     {"spring_to_plane", "fba-exact", "cdf1d5d8a8d78831"},
