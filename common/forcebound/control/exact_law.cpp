@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -118,18 +117,28 @@ void ExactLaw::lose(const Motion& motion) noexcept {
   each([&](ExactLedger& ledger) { ledger.pass(motion); });
 }
 
-double ExactLaw::energy_J() const noexcept { return energy_J(latency_s_max_); }
-
-/// Proof, Lemma 6: for an offset a share l of the way from one end to the other, what lies between both ledgers there
-/// less 4 l (1 - l) times `between_J`; this is the least of that over l.
-double ExactLaw::energy_J(double latency_s) const noexcept {
-  const double early_J = early_.at_effect(latency_s).energy_J;
-  if (!late_) return early_J;
-  const double late_J = late_->at_effect(latency_s).energy_J;
+/// Each ledger with what it has left then, but of no more energy than there is for any offset. Proof, Lemma 6: for one
+/// a share l of the way from one end to the other, that is what lies between both ledgers there less 4 l (1 - l) times
+/// `between_J`; the least of it over l counts.
+template <typename Visit>
+void ExactLaw::each_at_effect(double latency_s, Visit visit) const noexcept {
+  ExactLedger::AtEffect early = early_.at_effect(latency_s);
+  if (!late_) return visit(early_, early);
+  ExactLedger::AtEffect late = late_->at_effect(latency_s);
   const double between_J = std::max(early_.between_J(), late_->between_J());
-  const double left_J = 4 * between_J - std::abs(early_J - late_J);
-  const double lesser_J = std::min(early_J, late_J);
-  return left_J > 0 ? lesser_J - left_J * (left_J / (16 * between_J)) : lesser_J;
+  const double left_J = 4 * between_J - std::abs(early.energy_J - late.energy_J);
+  double least_J = std::min(early.energy_J, late.energy_J);
+  if (left_J > 0) least_J -= left_J * (left_J / (16 * between_J));
+  early.energy_J = late.energy_J = least_J;
+  visit(early_, early);
+  visit(*late_, late);
+}
+
+double ExactLaw::energy_J() const noexcept {
+  double energy_J = 0;
+  each_at_effect(latency_s_max_,
+                 [&](const ExactLedger&, const ExactLedger::AtEffect& left) { energy_J = left.energy_J; });
+  return energy_J;
 }
 
 void ExactLaw::forget_excess() noexcept {
@@ -157,10 +166,9 @@ Vector ExactLaw::bound(const Vector& request_N) noexcept {
   }
   // Through its largest component, so that neither 1e300 N nor 1e-300 N leaves the range of a double when squared.
   const Vector direction = request_N / largest;
-  const double energy_J_most = late_ ? energy_J() : std::numeric_limits<double>::infinity();
   double scale = largest;
-  each([&](const ExactLedger& ledger) {
-    const auto left = ledger.spendable(latency_s_max_, energy_J_most);
+  each_at_effect(latency_s_max_, [&](const ExactLedger& ledger, const ExactLedger::AtEffect& then) {
+    const auto left = ExactLedger::spendable(then);
     scale = left ? std::min(scale, ledger.largest_scale(jacobian_.transpose() * direction, *left)) : 0.0;
   });
   if (memory_ == EnergyMemory::capped) {
@@ -176,10 +184,9 @@ bool ExactLaw::allows(const Vector& force_N, double latency_s) const noexcept {
   if (force_N.isZero(0)) return true;
   if (!early_.located()) return false;
   const Vector torque = jacobian_.transpose() * force_N * (1 - kForceRounding);
-  const double energy_J_most = late_ ? energy_J(latency_s) : std::numeric_limits<double>::infinity();
   bool allowed = true;
-  each([&](const ExactLedger& ledger) {
-    const auto left = ledger.spendable(latency_s, energy_J_most);
+  each_at_effect(latency_s, [&](const ExactLedger& ledger, const ExactLedger::AtEffect& then) {
+    const auto left = ExactLedger::spendable(then);
     allowed = allowed && left && ledger.needed_J(torque, left->more_at_most) <= left->energy_J;
   });
   return allowed;

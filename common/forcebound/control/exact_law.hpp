@@ -89,16 +89,12 @@ class ExactLaw final : public PassivityLaw {
   [[nodiscard]] bool knots_merged() const noexcept { return early_.knots_merged() || (late_ && late_->knots_merged()); }
 
  private:
-  [[nodiscard]] double energy_J(double latency_s) const noexcept;
+  template <typename Visit>
+  void each_at_effect(double latency_s, Visit visit) const noexcept;
   void forget_excess() noexcept;
 
   template <typename Visit>
   void each(Visit&& visit) noexcept {
-    visit(early_);
-    if (late_) visit(*late_);
-  }
-  template <typename Visit>
-  void each(Visit&& visit) const noexcept {
     visit(early_);
     if (late_) visit(*late_);
   }

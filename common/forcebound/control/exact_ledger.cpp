@@ -201,9 +201,7 @@ ExactLedger::AtEffect ExactLedger::at_effect(double latency_s) const noexcept {
   return result;
 }
 
-std::optional<ExactLedger::AtEffect> ExactLedger::spendable(double latency_s, double energy_J_most) const noexcept {
-  AtEffect left = at_effect(latency_s);
-  left.energy_J = std::min(left.energy_J, energy_J_most);
+std::optional<ExactLedger::AtEffect> ExactLedger::spendable(const AtEffect& left) noexcept {
   if (left.energy_J >= 0) return left;
   if (left.lag_leaves) return std::nullopt;
   return AtEffect{};

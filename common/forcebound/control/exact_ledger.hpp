@@ -55,10 +55,9 @@ class ExactLedger {
   /// @param latency_s from the reading's stamp until the next force takes effect, at the most
   [[nodiscard]] AtEffect at_effect(double latency_s) const noexcept;
 
-  /// What the next force may need. Nothing where not even the torque that friction holds is safe: with a deficit, while
-  /// the lag has left something of a torque above it.
-  /// @param energy_J_most whatever this ledger says
-  [[nodiscard]] std::optional<AtEffect> spendable(double latency_s, double energy_J_most) const noexcept;
+  /// What the next force may need of that. Nothing where not even the torque that friction holds is safe: with a
+  /// deficit, while the lag has left something of a torque above it.
+  [[nodiscard]] static std::optional<AtEffect> spendable(const AtEffect& left) noexcept;
 
   /// R: what a torque needs until its release, beside what the joints have more at the most gain.
   [[nodiscard]] double needed_J(const Vector& torque, const PerJoint& more_at_most = {}) const noexcept;
