@@ -27,8 +27,8 @@ Edges edges_of(const TetrahedralMesh& mesh, std::size_t box) {
 
 // Where a corner of a box lies from its middle along each axis: -1 or 1.
 Eigen::Array3d side_of(int corner) {
-  const auto side = [](bool far) { return far ? 1.0 : -1.0; };
-  return {side(corner % 2 == 1), side(corner / 2 % 2 == 1), side(corner >= 4)};
+  const auto [x, y, z] = TetrahedralSoup::steps_to(corner);
+  return 2 * Eigen::Array3d(x, y, z) - 1;
 }
 
 Eigen::Matrix<double, 6, 6> hookes_law_Pa(const ElasticMaterial& material) {
@@ -152,10 +152,6 @@ ElasticElements::ElasticElements(const TetrahedralMesh& mesh, const ElasticMater
     : mesh_(mesh), material_(material) {
   material_.check();
   if (alike()) of_box_ = box_stiffness(edges_of(mesh_, 0), material_);
-}
-
-std::size_t ElasticElements::count() const noexcept {
-  return alike() ? mesh_.boxes().size() : mesh_.tetrahedra().size();
 }
 
 std::size_t ElasticElements::nodes_each() const noexcept {

@@ -37,7 +37,7 @@ class ElasticElements {
   /// @throws std::invalid_argument for a material that `check` refuses
   ElasticElements(const TetrahedralMesh& mesh, const ElasticMaterial& material);
 
-  [[nodiscard]] std::size_t count() const noexcept;
+  [[nodiscard]] std::size_t count() const noexcept { return mesh_.elements(); }
   [[nodiscard]] std::size_t nodes_each() const noexcept;
 
   /// The nodes of an element, in the order of the rows below.

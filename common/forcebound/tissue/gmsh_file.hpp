@@ -24,6 +24,11 @@ struct TetrahedralSoup {
   /// Boxes that the tetrahedra are parts of, six of each; none in a file. Corner k lies at the far end of the box's
   /// edges whose bits k has, the first axis having bit 0.
   std::vector<std::array<std::size_t, 8>> boxes{};
+
+  /// 0 or 1 along each axis: on which edges a box's first corner leads to that one.
+  [[nodiscard]] static constexpr std::array<int, 3> steps_to(std::size_t corner) noexcept {
+    return {static_cast<int>(corner % 2), static_cast<int>(corner / 2 % 2), static_cast<int>(corner / 4)};
+  }
 };
 
 /// Reads the linear tetrahedra (element type 4) of a Gmsh mesh: ASCII of version 1, 2 or 4.1. Other elements (points,

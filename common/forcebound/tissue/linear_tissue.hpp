@@ -16,7 +16,7 @@ namespace forcebound::tissue {
 ///     u = C f,   C = rows and columns of the surface in K^-1       [m/N, symmetric]
 ///
 /// K is the stiffness of the elements without the held nodes; a sparse Cholesky factorisation (L D L') gives C
-/// column by column at set-up. Small displacements and rotations; for large ones see CorotationalTissue.
+/// at set-up, many columns at a time. Small displacements and rotations; for large ones see CorotationalTissue.
 ///
 /// A model takes 72 bytes per pair of surface nodes: 1.2 MB for 130 nodes, 65 MB for 950, 650 MB for 3000.
 ///

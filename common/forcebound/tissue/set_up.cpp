@@ -95,8 +95,8 @@ double predicted_set_up_s(const TetrahedralMesh& mesh, const std::vector<int>& h
 
 void check_set_up(const TetrahedralMesh& mesh, double set_up_s) {
   if (set_up_s <= kSetUpMost_s) return;
-  throw std::runtime_error(mesh.name() + ": its set-up would take " + "about " + text::rounded(set_up_s, 2) + " s" +
-                           ": expected at most " + text::to_text(kSetUpMost_s) + " s, so a coarser mesh");
+  throw std::runtime_error(mesh.name() + ": its set-up would take about " + text::rounded(set_up_s, 2) +
+                           " s: expected at most " + text::to_text(kSetUpMost_s) + " s, so a coarser mesh");
 }
 
 void check_tetrahedra(double tetrahedra) {

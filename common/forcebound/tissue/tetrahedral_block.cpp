@@ -38,7 +38,10 @@ TetrahedralSoup tetrahedral_block(const BlockDescription& block) {
   for (std::size_t cell = 0; cell < nx * ny * nz; ++cell) {
     const Steps corner{cell % nx, cell / nx % ny, cell / nx / ny};
     std::array<std::size_t, 8> box{};
-    for (std::size_t k = 0; k < 8; ++k) box[k] = node({corner[0] + k % 2, corner[1] + k / 2 % 2, corner[2] + k / 4});
+    for (std::size_t k = 0; k < 8; ++k) {
+      const auto [x, y, z] = TetrahedralSoup::steps_to(k);
+      box[k] = node({corner[0] + x, corner[1] + y, corner[2] + z});
+    }
     add_box(soup, box);
   }
   return soup;

@@ -134,8 +134,10 @@ void TetrahedralMesh::add_boxes(const TetrahedralSoup& soup, const std::vector<i
   }
   for (std::size_t b = 0; b < boxes_.size(); ++b) {
     for (std::size_t corner = 1; corner < 8; ++corner) {
-      const Eigen::Vector3d far(corner % 2 == 1 ? 1 : 0, corner / 2 % 2 == 1 ? 1 : 0, corner >= 4 ? 1 : 0);
-      if ((from_first_m(boxes_[b], corner) - edges_m * far).norm() <= kOffMost * lengths_m.minCoeff()) continue;
+      const auto [x, y, z] = TetrahedralSoup::steps_to(corner);
+      if ((from_first_m(boxes_[b], corner) - edges_m * Eigen::Vector3d(x, y, z)).norm() <=
+          kOffMost * lengths_m.minCoeff())
+        continue;
       throw std::runtime_error(soup.name + ": box " + std::to_string(b + 1) +
                                " is not as the first: expected boxes that are alike but for their place");
     }

@@ -51,6 +51,8 @@ class TetrahedralMesh {
   [[nodiscard]] const std::vector<Middles>& middles() const noexcept { return middles_; }
   /// As in the soup: right-angled, all alike but for their place.
   [[nodiscard]] const std::vector<Box>& boxes() const noexcept { return boxes_; }
+  /// How many: boxes, or else tetrahedra.
+  [[nodiscard]] std::size_t elements() const noexcept { return boxes_.empty() ? tetrahedra_.size() : boxes_.size(); }
   [[nodiscard]] const std::vector<Triangle>& triangles() const noexcept { return triangles_; }
 
   /// The nodes of the surface, each once, in the order of their indices.

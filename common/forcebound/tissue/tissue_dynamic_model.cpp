@@ -106,9 +106,9 @@ double stiffness_N_per_m_at(const scene::Point& place_m, double radius_m, const 
 }
 
 std::string elements_in_words(const TetrahedralMesh& mesh) {
-  if (!mesh.boxes().empty()) return std::to_string(mesh.boxes().size()) + " boxes";
-  return std::to_string(mesh.tetrahedra().size()) + " tetrahedra of " + (mesh.middles().empty() ? "4" : "10") +
-         " nodes";
+  const std::string elements = std::to_string(mesh.elements());
+  if (!mesh.boxes().empty()) return elements + " boxes";
+  return elements + " tetrahedra of " + (mesh.middles().empty() ? "4" : "10") + " nodes";
 }
 
 std::string coarseness_in_words(const TetrahedralMesh& mesh, double radius_m) {

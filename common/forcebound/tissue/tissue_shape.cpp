@@ -145,10 +145,8 @@ scene::ShapeKind tissue_shape() {
 
 bool fits_client(const TissueModel& model, double set_up_s) noexcept {
   const LinearTissue& tissue = model.tissue();
-  const TetrahedralMesh& mesh = tissue.mesh();
-  const std::size_t elements = mesh.boxes().empty() ? mesh.tetrahedra().size() : mesh.boxes().size();
   const auto compliance = static_cast<std::size_t>(tissue.compliance_m_per_N().size());
-  return elements <= kShapeElementsMost && compliance <= kShapeBytesMost / sizeof(double) &&
+  return tissue.mesh().elements() <= kShapeElementsMost && compliance <= kShapeBytesMost / sizeof(double) &&
          set_up_s <= kShapeSetUpMost_s && model.step_ns() <= kShapeStepMost_ns &&
          model.options().contact_stiffness_N_per_m <= kStiffest_N_per_m && tissue.material().young_Pa <= kStiffest_Pa;
 }
