@@ -240,8 +240,7 @@ std::vector<StudyDevice> study_devices(const StudySettings& settings,
 
 bool any_wrong(const std::vector<StudyDevice>& devices) noexcept {
   return std::ranges::any_of(devices, [](const StudyDevice& device) {
-    return device.above > 0 || device.wrong_step || device.wrong_gain || device.time_outside ||
-           device.least_P_J.value_or(0) < -kGuarantee_J;
+    return device.above > 0 || device.any_outside() || device.least_P_J.value_or(0) < -kGuarantee_J;
   });
 }
 
@@ -324,8 +323,7 @@ std::string study_csv(const std::vector<StudyDevice>& devices) {
     table.add({std::to_string(d.seed), d.kind, d.complete ? "1" : "0", std::to_string(d.bounds),
                std::to_string(d.above), text::rounded(median(d.damping_share, 0), 6),
                d.friction_share.empty() ? "" : text::rounded(median(d.friction_share, 0), 6),
-               number(d.latency_excess_s), number(d.hold_excess_s),
-               d.time_outside || d.wrong_step || d.wrong_gain ? "1" : "0", number(d.least_P_J),
+               number(d.latency_excess_s), number(d.hold_excess_s), d.any_outside() ? "1" : "0", number(d.least_P_J),
                number(d.stiffness_share), refused});
   }
   return table.to_csv();

@@ -30,6 +30,8 @@ struct StudyDevice {
   double seconds = 0;                       ///< that it took
   std::optional<double> least_P_J{};        ///< of fba-exact with these facts, against a hostile environment
   std::optional<double> stiffness_share{};  ///< displayed with these facts over that with the true ones
+
+  [[nodiscard]] bool any_outside() const noexcept { return time_outside || wrong_step || wrong_gain; }
 };
 
 struct StudySettings {
