@@ -11,13 +11,7 @@ TEST_F(RenderedAnswer, LetsWhatMovesFadeWithTheHeldForceWhenTheServerIsSilent) {
   receive_pad(0.002);
   // Slower than what would be felt.
   newest.answer.model.surfaces[0].velocity_m_per_s.x() = 1e-9;
-  EXPECT_NEAR(settled_at(-0.003), 3, 1e-9);
-  EXPECT_TRUE(rendered.fades);
-  share = 0.5;
-  EXPECT_NEAR(at(-0.003), 1.5, 1e-9);
-  share = 0;
-  EXPECT_NEAR(at(-0.003), 0, 1e-9);
-  EXPECT_EQ(rendered.model_N.rows(), 0);
+  expect_to_fade(-0.003, 3);
 }
 
 TEST_F(RenderedAnswer, KeepsASurfaceThatStandsStillWhenTheServerIsSilent) {
@@ -71,13 +65,7 @@ TEST_F(RenderedAnswer, TellsThatWhatMovesWouldFadeAlsoWhereTheAnswerHadNoForceOf
 TEST_F(RenderedAnswer, LetsWhatOthersCanMoveFadeWhenTheServerIsSilentAlsoAtRest) {
   receive_pad(0.002);
   newest.answer.model.surfaces[0].others_move_it = true;
-  EXPECT_NEAR(settled_at(-0.003), 3, 1e-9);
-  EXPECT_TRUE(rendered.fades);
-  share = 0.5;
-  EXPECT_NEAR(at(-0.003), 1.5, 1e-9);
-  share = 0;
-  EXPECT_NEAR(at(-0.003), 0, 1e-9);
-  EXPECT_EQ(rendered.model_N.rows(), 0);
+  expect_to_fade(-0.003, 3);
 }
 
 TEST_F(RenderedAnswer, LetsAMassThatOthersCanMoveFadeWhenTheServerIsSilent) {

@@ -69,6 +69,17 @@ class RenderedAnswer : public ::testing::Test {
     return at(z_m, x_m);
   }
 
+  /// From so much, with the held force, as the server is silent.
+  void expect_to_fade(double z_m, double from_N) {
+    EXPECT_NEAR(settled_at(z_m), from_N, 1e-9);
+    EXPECT_TRUE(rendered.fades);
+    for (const double left : {0.5, 0.0}) {
+      share = left;
+      EXPECT_NEAR(at(z_m), left * from_N, 1e-9);
+    }
+    EXPECT_EQ(rendered.model_N.rows(), 0);
+  }
+
   AnswerRendering answers;
   wire::EnvironmentForce newest;
   AnswerRendering::Rendered rendered;
