@@ -29,7 +29,7 @@ void LocalScene::adopt() noexcept {
 bool LocalScene::knows_about(const scene::Point& place_m, double more_m) const noexcept {
   const handover::AssembledScene& made = scene_->assembled;
   const std::vector<handover::Coverage>& known = coarse_counts_ ? made.coverage : made.exact;
-  const auto steps = scene_->assembled.scene->plan().steps();
+  const auto steps = made.scene->plan().steps();
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const double wanted_m = std::max(depth_m_, steps[i].reach_m) + more_m + handover::kBorder_m;
     if (!(known[i].known_within_m(place_m) >= wanted_m)) return false;
