@@ -67,7 +67,7 @@ std::string_view page_of(std::string_view folder) {
   for (const std::string_view side : {"client", "server"}) {
     if (is_below(folder, kOurs) && folder.substr(kOurs.size() + 1).starts_with(side)) return side;
   }
-  if (folder == "drivers" || folder == "python") return "client";
+  if (folder == "drivers" || folder == "library" || folder == "python") return "client";
   if (folder == "forcebound/v1") return "proto";
   return folder.starts_with(kOurs) ? "common" : "tests";
 }

@@ -11,10 +11,10 @@ namespace {
 
 // Programs, and code that runs the core on threads and sockets. Tests may too, except for the tools that ship.
 constexpr std::string_view kShells =
-    R"((client|server)/forcebound/(client|server)/(app|commands|runtime)/.*|client/(drivers|python)/.*|)"
+    R"((client|server)/forcebound/(client|server)/(app|commands|runtime)/.*|client/(drivers|library|python)/.*|)"
     R"(common/forcebound/program/.*|tests/tools/(demo|relay|lab)/.*|tests/(?!tools/).*)";
 constexpr std::string_view kShellsInWords =
-    "the folders app, commands, runtime and common/forcebound/program, client/drivers, client/python, "
+    "the folders app, commands, runtime and common/forcebound/program, client/drivers, client/library, client/python, "
     "tests/tools/demo, tests/tools/relay, tests/tools/lab and the tests";
 
 // It waits for a process that reads untrusted files.
@@ -100,10 +100,10 @@ constexpr Privilege kPrivileges[] = {
      R"((^|[^.])%[-+ #0]*[0-9*]*(\.[0-9*]+)?[lL]?[efgaEFGA]\b|\{:[^{}]*L\}|)"
      R"(std::to_string\([^()]*_(s|ms|us|ns|m|mm|N|J|Hz|kg|rad|N_per_m|N_s_per_m)\))",
      {R"(common/forcebound/(control/classic_text\.hpp|text/classic_locale\.cpp|program/command_line\.cpp)|)"
-      R"(tests/(?!tools/).*)"},
+      R"(client/library/examples/.*|tests/(?!tools/).*)"},
      "common/forcebound/control/classic_text.hpp and common/forcebound/text/classic_locale.cpp, which take the "
      "classic "
-     "one, common/forcebound/program/command_line.cpp, which writes no number, and the tests"},
+     "one, common/forcebound/program/command_line.cpp, which writes no number, client/library/examples and the tests"},
     {"libsodium",
      R"(#include\s*[<"]sodium)",
      {R"(common/forcebound/(security/.*|handover/hash)\.cpp|tests/unit/security/.*)"},

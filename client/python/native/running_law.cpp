@@ -5,22 +5,11 @@
 #include <utility>
 #include <vector>
 
-#include "forcebound/baselines/baselines.hpp"
 #include "forcebound/text/numbers.hpp"
 #include "python/native/fields.hpp"
 
 namespace forcebound::python {
 namespace {
-
-const control::LawRegistry& laws() {
-  static const control::LawRegistry kLaws = baselines::shipped_laws();
-  return kLaws;
-}
-
-control::LawOptions complete(const std::string& name, const control::DeviceFacts& facts, control::LawOptions options) {
-  options.parameters = laws().parameters(name, facts, options.parameters);
-  return options;
-}
 
 double or_else(const py::object& tick, double standard, const char* name) {
   return tick.is_none() ? standard : number_from(tick, name);
@@ -56,53 +45,39 @@ class RunningLaw::InUse {
 };
 
 RunningLaw::RunningLaw(control::DeviceFacts facts, const std::string& name, control::LawOptions options)
-    : facts_(std::move(facts)),
-      options_(complete(name, facts_, std::move(options))),
-      bounder_(facts_, laws().make(name, facts_, options_)),
-      damping_(control::Damping::from_matrix(facts_.damping)),
-      request_N_(Vector::Zero(facts_.degrees_of_freedom())) {
-  motion_.position = Vector::Zero(facts_.degrees_of_freedom());
-  motion_.joint = Vector::Zero(facts_.joints());
-  motion_.jacobian = Matrix::Identity(facts_.degrees_of_freedom(), facts_.joints());
-}
-
-void RunningLaw::bend_damping() noexcept {
-  if (!facts_.cartesian) damping_ = control::Damping::from_joints(motion_.jacobian, facts_.damping);
-  motion_.damping = &damping_;
-}
+    : law_(std::move(facts), name, std::move(options)), request_N_(Vector::Zero(law_.facts().degrees_of_freedom())) {}
 
 void RunningLaw::read_joints(py::handle position, const Tick& tick) {
-  motion_.position = vector_from(position, facts_.degrees_of_freedom(), "position");
-  if (facts_.cartesian) {
-    motion_.joint = motion_.position;
-    return;
-  }
+  const control::DeviceFacts& facts = law_.facts();
+  control::Motion& motion = law_.motion();
+  motion.position = vector_from(position, facts.degrees_of_freedom(), "position");
+  if (facts.cartesian) return;
   if (tick.joint.is_none() || tick.jacobian.is_none()) {
-    throw py::value_error("joint and jacobian: expected both, as device '" + facts_.name + "' is not Cartesian");
+    throw py::value_error("joint and jacobian: expected both, as device '" + facts.name + "' is not Cartesian");
   }
-  motion_.joint = vector_from(tick.joint, facts_.joints(), "joint");
-  motion_.jacobian = matrix_from(tick.jacobian, facts_.degrees_of_freedom(), facts_.joints(), "jacobian");
+  motion.joint = vector_from(tick.joint, facts.joints(), "joint");
+  motion.jacobian = matrix_from(tick.jacobian, facts.degrees_of_freedom(), facts.joints(), "jacobian");
 }
 
 py::array_t<double> RunningLaw::step(py::handle position, py::handle request_N, const Tick& tick) {
   const InUse in_use(in_use_);
+  const control::DeviceFacts& facts = law_.facts();
   // All is read before anything of the law changes.
-  if (!request_N.is_none()) request_N_ = vector_from(request_N, facts_.degrees_of_freedom(), "request_N");
-  const double interval_s = or_else(tick.interval_s, begun_ ? facts_.period_s : 0, "interval_s");
-  const double latency_s = seconds_or_else(tick.latency_s, facts_.latency_s, "latency_s");
-  const double latency_s_max = seconds_or_else(tick.latency_s_max, facts_.latency_s, "latency_s_max");
+  if (!request_N.is_none()) request_N_ = vector_from(request_N, facts.degrees_of_freedom(), "request_N");
+  const double interval_s = or_else(tick.interval_s, law_.begun() ? facts.period_s : 0, "interval_s");
+  const double latency_s = seconds_or_else(tick.latency_s, facts.latency_s, "latency_s");
+  const double latency_s_max = seconds_or_else(tick.latency_s_max, facts.latency_s, "latency_s_max");
   const double effect_s = report_or_else(tick.effect_s, control::Motion{}.effect_s, "effect_s");
   const double held_s = report_or_else(tick.held_s, control::Motion{}.held_s, "held_s");
   read_joints(position, tick);
-  motion_.interval_s = interval_s;
-  motion_.latency_s = latency_s;
-  motion_.latency_s_max = latency_s_max;
-  motion_.effect_s = effect_s;
-  motion_.held_s = held_s;
-  motion_.write_failed = tick.write_failed;
-  bend_damping();
-  begun_ = true;
-  return array_of(request_N.is_none() ? bounder_.release(motion_) : bounder_.tick(motion_, request_N_));
+  control::Motion& motion = law_.motion();
+  motion.interval_s = interval_s;
+  motion.latency_s = latency_s;
+  motion.latency_s_max = latency_s_max;
+  motion.effect_s = effect_s;
+  motion.held_s = held_s;
+  motion.write_failed = tick.write_failed;
+  return array_of(request_N.is_none() ? law_.release() : law_.tick(request_N_));
 }
 
 /// A recorded sequence, checked before its first tick.
@@ -139,8 +114,6 @@ class RunningLaw::Sequence {
     if (joints_) {
       joints_->read(row, motion.joint);
       jacobians_->read(row, motion.jacobian);
-    } else {
-      motion.joint = motion.position;
     }
     motion.interval_s = intervals_s_ ? intervals_s_->read(row) : interval_s_;
     if (!latencies_s_) return;
@@ -177,9 +150,9 @@ class RunningLaw::Sequence {
 };
 
 py::tuple RunningLaw::run(py::handle positions, py::handle requests_N, const Recorded& recorded) {
-  const Sequence sequence(facts_, positions, requests_N, recorded);
+  const Sequence sequence(law_.facts(), positions, requests_N, recorded);
   const InUse in_use(in_use_);
-  const auto dof = static_cast<py::ssize_t>(facts_.degrees_of_freedom());
+  const auto dof = static_cast<py::ssize_t>(law_.facts().degrees_of_freedom());
   py::array_t<double> forces_N({sequence.size(), dof});
   py::array_t<double> energies_J(sequence.size());
   py::array_t<double> xis(sequence.size());
@@ -188,20 +161,14 @@ py::tuple RunningLaw::run(py::handle positions, py::handle requests_N, const Rec
   double* xi_at = xis.mutable_data();
   {
     const py::gil_scoped_release others_run;
-    const control::Motion by_facts;
-    motion_.effect_s = by_facts.effect_s;
-    motion_.held_s = by_facts.held_s;
-    motion_.write_failed = false;
-    motion_.latency_s = motion_.latency_s_max = facts_.latency_s;
+    law_.time_by_facts();
     for (py::ssize_t row = 0; row < sequence.size(); ++row) {
-      sequence.read(row, motion_, request_N_);
-      if (!begun_ && !sequence.has_intervals()) motion_.interval_s = 0;
-      begun_ = true;
-      bend_damping();
-      const Vector force_N = bounder_.tick(motion_, request_N_);
+      sequence.read(row, law_.motion(), request_N_);
+      if (!law_.begun() && !sequence.has_intervals()) law_.motion().interval_s = 0;
+      const Vector force_N = law_.tick(request_N_);
       for (Eigen::Index i = 0; i < force_N.rows(); ++i) *force_at++ = force_N[i];
-      *energy_at++ = bounder_.law().energy_J();
-      *xi_at++ = bounder_.law().xi();
+      *energy_at++ = law_.bounder().law().energy_J();
+      *xi_at++ = law_.bounder().law().xi();
     }
   }
   return py::make_tuple(forces_N, energies_J, xis);
@@ -209,40 +176,40 @@ py::tuple RunningLaw::run(py::handle positions, py::handle requests_N, const Rec
 
 py::array_t<double> RunningLaw::confirm(py::handle force_N, double latency_s) {
   const InUse in_use(in_use_);
-  const Vector force = vector_from(force_N, facts_.degrees_of_freedom(), "force_N");
+  const Vector force = vector_from(force_N, law_.facts().degrees_of_freedom(), "force_N");
   if (!force.allFinite()) throw py::value_error("force_N must be finite");
-  return array_of(bounder_.confirmed(force, latency_s));
+  return array_of(law_.bounder().confirmed(force, latency_s));
 }
 
 void RunningLaw::receive(py::handle numbers) {
   const InUse in_use(in_use_);
-  bounder_.receive(server_law_numbers_from(numbers));
+  law_.bounder().receive(server_law_numbers_from(numbers));
 }
 
 py::array_t<double> RunningLaw::outgoing() const {
   const InUse in_use(in_use_);
-  const control::ServerLawNumbers numbers = bounder_.law().outgoing();
+  const control::ServerLawNumbers numbers = law_.bounder().law().outgoing();
   return array_of(numbers.data(), numbers.rows());
 }
 
 void RunningLaw::begin_server_side() {
   const InUse in_use(in_use_);
-  bounder_.begin_server_side();
+  law_.bounder().begin_server_side();
 }
 
 double RunningLaw::energy_J() const {
   const InUse in_use(in_use_);
-  return bounder_.law().energy_J();
+  return law_.bounder().law().energy_J();
 }
 
 double RunningLaw::xi() const {
   const InUse in_use(in_use_);
-  return bounder_.law().xi();
+  return law_.bounder().law().xi();
 }
 
 py::dict RunningLaw::counts() const {
   const InUse in_use(in_use_);
-  const control::ForceBounder::Counts& c = bounder_.counts();
+  const control::ForceBounder::Counts& c = law_.bounder().counts();
   py::dict counts;
   counts["requests_not_finite"] = c.requests_not_finite;
   counts["readings_not_finite"] = c.readings_not_finite;

@@ -5,8 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "forcebound/control/force_bounder.hpp"
-#include "forcebound/control/law_registry.hpp"
+#include "forcebound/baselines/running_law.hpp"
 #include "python/native/arrays.hpp"
 
 namespace forcebound::python {
@@ -14,11 +13,7 @@ namespace forcebound::python {
 /// What law and server-side law tell each other: (k,), k <= 16. @throws py::value_error
 [[nodiscard]] control::ServerLawNumbers server_law_numbers_from(py::handle numbers);
 
-/// A law at work on a device, ticked from Python: control::ForceBounder with its law, and what a Motion needs
-/// beside the readings.
-///
-/// A Cartesian device's joints are its position, and nothing else is read of them. Of any other device each tick needs
-/// joints and Jacobian.
+/// baselines::RunningLaw, ticked from Python.
 ///
 /// A law has one owner: what is called while a sequence runs in another thread throws std::runtime_error.
 class RunningLaw {
@@ -56,8 +51,8 @@ class RunningLaw {
   [[nodiscard]] py::array_t<double> outgoing() const;
   void begin_server_side();
 
-  [[nodiscard]] const control::DeviceFacts& facts() const noexcept { return facts_; }
-  [[nodiscard]] const control::LawOptions& options() const noexcept { return options_; }
+  [[nodiscard]] const control::DeviceFacts& facts() const noexcept { return law_.facts(); }
+  [[nodiscard]] const control::LawOptions& options() const noexcept { return law_.options(); }
   [[nodiscard]] double energy_J() const;
   [[nodiscard]] double xi() const;
   [[nodiscard]] py::dict counts() const;
@@ -67,15 +62,9 @@ class RunningLaw {
   class Sequence;
 
   void read_joints(py::handle position, const Tick& tick);
-  void bend_damping() noexcept;
 
-  control::DeviceFacts facts_;
-  control::LawOptions options_;
-  control::ForceBounder bounder_;
-  control::Damping damping_;
-  control::Motion motion_;
+  baselines::RunningLaw law_;
   Vector request_N_;
-  bool begun_ = false;
   mutable std::atomic<bool> in_use_{false};
 };
 

@@ -1,0 +1,204 @@
+/* libforcebound: force bounding laws, a client and a server of networked haptics, for programs in C, in C++ and in all
+ * languages that call C.
+ *
+ * Units and frames: SI; metres, newtons, seconds, radians. A position is that of the device's tip in the scene's frame:
+ * x to the user's right, y away from the user, z up. A force is what the device does to the hand: a wall at x >= 0 gives
+ * f = -K x. Arrays have one number for each degree of freedom of the tip ("axes") or for each joint; what a struct has
+ * room for beyond these is not read.
+ *
+ * Errors: a function that can fail returns an fb_status, and what it was to give is then as it was before, but for
+ * forces, which are zero. `fb_last_error` says in one line what was wrong, where, and what would be accepted. No C++
+ * exception leaves the library, and one that a callback of yours throws ends there: zero force, and counted.
+ *
+ * Structs and versions: a struct begins with its size as the program that is built with it knows it. FB_INIT sets it and
+ * zeros the rest, which stands for the standard value wherever one is named:
+ *
+ *     fb_motion motion = FB_INIT(fb_motion);
+ *
+ * Fields are only ever added at the end. The library reads and writes no further than `size`, and takes what lies beyond
+ * as zero: a program built with an older header goes on working. A struct that is larger than the library's own is
+ * accepted if all that the library does not know is zero. Functions never change: FB_ABI does, with the library's name.
+ *
+ * Threads: any function may be called on any thread, but what belongs to one handle by one thread at a time unless its
+ * function says otherwise.
+ *
+ * Real time: "tick" marks functions for a loop of 1 kHz: if they succeed they allocate nothing, take no lock, make no
+ * system call, and take a bounded time. All others may do all of that. */
+#ifndef FORCEBOUND_H
+#define FORCEBOUND_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#if defined(__GNUC__)
+#define FB_EXPORT __attribute__((visibility("default")))
+#else
+#define FB_EXPORT
+#endif
+
+#define FB_ABI 1
+#define FB_AXES_MAX 6    /* degrees of freedom of a tip */
+#define FB_JOINTS_MAX 7  /* of a device */
+#define FB_TEXT_BYTES 256
+
+/* A struct of the library with its size set and all else zero. */
+#ifdef __cplusplus
+#define FB_INIT(type) (::forcebound_c::initial<type>())
+#else
+#define FB_INIT(type) {.size = sizeof(type)}
+#endif
+
+/* What a function returns. */
+typedef int32_t fb_status;
+enum {
+  FB_OK = 0,
+  FB_INVALID = 1,     /* an argument is not what it has to be */
+  FB_FAILED = 2,      /* a file, a device, a network or the system refuses */
+  FB_NOT_NOW = 3,     /* not in this state: it runs, it has ended, it is in use */
+  FB_NOTHING = 4,     /* there is none, such as an event; no error */
+  FB_TOO_SMALL = 5,   /* a buffer: the text was cut */
+  FB_NO_MEMORY = 6
+};
+
+/* Why the last function failed that failed on this thread, in one line without an end of line; empty: none did. Valid
+ * until the next one fails there. Never null. */
+FB_EXPORT const char* fb_last_error(void);
+
+/* "0.2.0", of the library that runs. */
+FB_EXPORT const char* fb_version(void);
+
+/* ---- Facts: what is known of a haptic device, and all that a law relies on. Read once, then constant. */
+
+typedef struct fb_facts fb_facts;
+
+/* Of a device that ships ("omni"), or of a TOML file by its path (with a '/', or ending with ".toml"), as
+ * /usr/share/forcebound/devices has them. */
+FB_EXPORT fb_status fb_facts_load(const char* name_or_path, fb_facts** facts);
+
+/* Of TOML text. `name` is the device's, for errors. */
+FB_EXPORT fb_status fb_facts_parse(const char* toml, const char* name, fb_facts** facts);
+
+/* Null is accepted. What was made with them goes on. */
+FB_EXPORT void fb_facts_destroy(fb_facts* facts);
+
+typedef struct fb_facts_info {
+  size_t size;
+  char name[FB_TEXT_BYTES];
+  int32_t axes;       /* degrees of freedom of the tip: of positions and forces; the last three are rotations and torques
+                         where `rotations` is 3 */
+  int32_t rotations;  /* 0 or 3 */
+  int32_t joints;
+  int32_t cartesian;  /* 1: joints are the axes of the tip, and motions need neither joints nor a Jacobian */
+  int32_t identified; /* 0: the bounds are guesses, and nothing is called passive */
+  int32_t reserved;
+  double period_s;    /* nominal length of a tick */
+  double force_N_max;
+  double torque_N_m_max; /* 0: it shows none */
+  double latency_s;      /* from the command to the force at the motors */
+  double hold_s_max;     /* the device holds a force for so long without a new one; 0: it never releases */
+} fb_facts_info;
+
+FB_EXPORT fb_status fb_facts_describe(const fb_facts* facts, fb_facts_info* info);
+
+/* ---- A law: bounds each force so that the device returns no more energy than its own damping took. */
+
+typedef struct fb_law fb_law;
+
+/* The name of a law that ships, from 0 on; null: there are no more. */
+FB_EXPORT const char* fb_law_name(size_t index);
+
+typedef struct fb_law_options {
+  size_t size;
+  const char* parameters; /* TOML with a table for each law, "[vc]\ncoupling_N_per_m = 40000\n"; null: standard values */
+  int32_t full_memory;    /* 1: fba-less and fba-exact keep all energy for later; 0: what the largest force can need */
+  int32_t reserved;
+} fb_law_options;
+
+/* @param name "fba-exact", "fba-less", "fba-more", "none", ...; a law that has another half at the server is refused
+ * @param options null: standard values
+ * FB_INVALID: an unknown law or parameter, or a device that the law refuses. */
+FB_EXPORT fb_status fb_law_create(const char* name, const fb_facts* facts, const fb_law_options* options, fb_law** law);
+FB_EXPORT void fb_law_destroy(fb_law* law);
+
+/* Bits of fb_motion.has: which fields the program sets. Those it leaves out are by the facts. */
+enum {
+  FB_HAS_LATENCY = 1,     /* latency_s */
+  FB_HAS_LATENCY_MAX = 2, /* latency_s_max */
+  FB_HAS_EFFECT = 4,      /* effect_s */
+  FB_HAS_HELD = 8         /* held_s */
+};
+
+/* What a tick measured. */
+typedef struct fb_motion {
+  size_t size;
+  uint32_t has;
+  int32_t write_failed; /* 1: whether the last force was ever in effect, or the one before it still is, is unknown */
+  double interval_s;    /* between the reading before and this one, measured; 0 at the first. One that no clock can have
+                           measured credits nothing */
+  double position[FB_AXES_MAX]; /* of the tip [m]; of one that turns, below it the sum of the rotation vectors of all
+                                   intervals, each about the pose at its beginning [rad]. Not finite: the reading is lost */
+  double joint[FB_JOINTS_MAX];  /* readings of the encoders [m], [rad]; not of a Cartesian device */
+  double jacobian[FB_AXES_MAX * FB_JOINTS_MAX]; /* d position / d joint, row by row; row k begins at k * joints. Likewise */
+  double latency_s;     /* from the reading before to the effect of the force that was chosen on it */
+  double latency_s_max; /* longest from this reading to the effect of the force that is chosen now */
+  double effect_s;      /* as latency_s, but reported by the device */
+  double held_s;        /* from that effect until the device let go of the force */
+} fb_motion;
+
+/* One tick: notes the motion and gives the force for the device, which the law then takes for commanded.
+ *
+ * After any error the force is zero; if `law` is not null it counts the reading as lost, so that a force is never charged
+ * too little.
+ *
+ * @param request_N what the environment asks for; null: nothing, or what it asked for is too old
+ * @param axes numbers of both arrays: fb_facts_info.axes
+ * FB_INVALID: another number of axes, a null pointer, a size of `motion` that is none. Tick. */
+FB_EXPORT fb_status fb_law_tick(fb_law* law, const fb_motion* motion, const double* request_N, double* force_N,
+                                size_t axes);
+
+/* For a loop that knows only when it commands: the force that the last tick gave, or zero if it takes effect so long
+ * after the reading that it is not allowed any more. @param latency_s from the reading to the effect. Tick. */
+FB_EXPORT fb_status fb_law_confirm(fb_law* law, double latency_s, double* force_N, size_t axes);
+
+/* The account of a law, and what it counted. */
+typedef struct fb_ledger {
+  size_t size;
+  double energy_J;    /* that the law may spend now */
+  double share_credited; /* of the coming interval's dissipation that the law will credit, 0 to 1 (the paper's xi) */
+  int32_t audited;    /* 1: the device is simulated, and P is known: what it dissipated less what its motors returned */
+  int32_t reserved;
+  double P_J;         /* now, */
+  double P_J_least;   /* and the least that it ever was: below zero, not passive */
+  uint64_t requests_not_finite;
+  uint64_t readings_not_finite;
+  uint64_t readings_too_far;       /* further than the device can be so soon: taken for lost */
+  uint64_t writes_failed;          /* as fb_motion says */
+  uint64_t effects_outside_facts;  /* reported when the facts do not allow it */
+  uint64_t releases_outside_facts; /* likewise */
+  uint64_t intervals_impossible;   /* not measurable: nothing credited */
+  uint64_t saturated;              /* requests above the device's largest force */
+  uint64_t forces_not_finite;      /* of the law: a fault of its own */
+  uint64_t forces_withdrawn;       /* chosen, but too late: zero */
+  uint64_t calls_refused;          /* of fb_law_tick, for its arguments */
+} fb_ledger;
+
+/* Of the thread that ticks. A law alone is never audited. Tick. */
+FB_EXPORT fb_status fb_law_ledger(const fb_law* law, fb_ledger* ledger);
+
+#ifdef __cplusplus
+}
+namespace forcebound_c {
+template <class Struct>
+inline Struct initial() {
+  Struct made = Struct();
+  made.size = sizeof made;
+  return made;
+}
+}
+#endif
+
+#endif

@@ -1,0 +1,100 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdio>
+#include <cstring>
+#include <string_view>
+
+#include "library/source/errors.hpp"
+
+namespace forcebound::library {
+
+/// Copies text into a field of a struct, cut where it does not fit.
+template <std::size_t kBytes>
+void set_text(char (&field)[kBytes], std::string_view text) noexcept {
+  const std::size_t fits = std::min(text.size(), kBytes - 1);
+  std::copy_n(text.begin(), fits, field);
+  field[fits] = '\0';
+}
+
+/// A caller's struct is no such struct: "fb_motion.size is 3, accepted are 520 or more: set it by FB_INIT(fb_motion)".
+[[nodiscard]] inline fb_status refused_size(const char* function, const char* name, std::size_t size,
+                                            std::size_t least) noexcept {
+  std::array<char, 256> why{};
+  (void)std::snprintf(why.data(), why.size(), "%s.size is %zu, accepted are %zu or more: set it by FB_INIT(%s)", name,
+                      size, least, name);
+  return refused(function, why.data());
+}
+
+/// Whether a program's struct sets nothing that lies beyond the library's own.
+template <class Struct>
+[[nodiscard]] bool is_zero_beyond(const Struct& given) noexcept {
+  const auto* const bytes = reinterpret_cast<const char*>(&given);  // NOLINT(*-reinterpret-cast)
+  return std::all_of(bytes + sizeof(Struct), bytes + std::max(given.size, sizeof(Struct)),
+                     [](char byte) { return byte == 0; });
+}
+
+/// A struct that a program gave, as the library knows it: the program's own where that is as large, else a copy with
+/// zeros for what is not there. Noexcept, no allocation.
+template <class Struct>
+class Given {
+ public:
+  /// @param given may be null @param least bytes of it that must be there
+  Given(const char* function, const char* name, const Struct* given, std::size_t least) noexcept {
+    std::array<char, 256> why{};
+    if (given == nullptr) {
+      (void)std::snprintf(why.data(), why.size(), "%s is null", name);
+      status_ = refused(function, why.data());
+    } else if (given->size < least || given->size > kMost) {
+      status_ = refused_size(function, name, given->size, least);
+    } else if (!is_zero_beyond(*given)) {
+      (void)std::snprintf(why.data(), why.size(),
+                          "%s of %zu bytes sets a field that this library, %s, does not know: accepted are its first "
+                          "%zu bytes, and zeros",
+                          name, given->size, FORCEBOUND_VERSION, sizeof(Struct));
+      status_ = refused(function, why.data());
+    } else if (given->size >= sizeof(Struct)) {
+      struct_ = given;
+    } else {
+      std::memcpy(&copy_, given, given->size);
+      struct_ = &copy_;
+    }
+  }
+  Given(const Given&) = delete;
+  Given& operator=(const Given&) = delete;
+
+  /// FB_OK, or what the function is to return.
+  [[nodiscard]] fb_status status() const noexcept { return status_; }
+  [[nodiscard]] const Struct& operator*() const noexcept { return *struct_; }
+  [[nodiscard]] const Struct* operator->() const noexcept { return struct_; }
+
+ private:
+  static constexpr std::size_t kMost = std::size_t{1} << 16U;  // beyond is no size but rubbish
+
+  fb_status status_ = FB_OK;
+  const Struct* struct_ = nullptr;
+  Struct copy_{};
+};
+
+/// Gives a program a struct, no further than its size, with zeros for what the library does not know.
+/// @param to may be null @param least bytes that must have room. Noexcept, no allocation.
+template <class Struct>
+[[nodiscard]] fb_status give(const char* function, const char* name, const Struct& from, Struct* to,
+                             std::size_t least) noexcept {
+  constexpr std::size_t kMost = std::size_t{1} << 16U;
+  if (to == nullptr) {
+    std::array<char, 256> why{};
+    (void)std::snprintf(why.data(), why.size(), "%s is null", name);
+    return refused(function, why.data());
+  }
+  const std::size_t size = to->size;
+  if (size < least || size > kMost) return refused_size(function, name, size, least);
+  std::memcpy(to, &from, std::min(size, sizeof(Struct)));
+  if (size > sizeof(Struct)) std::memset(to + 1, 0, size - sizeof(Struct));
+  to->size = size;
+  return FB_OK;
+}
+
+}  // namespace forcebound::library
