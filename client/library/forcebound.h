@@ -189,6 +189,159 @@ typedef struct fb_ledger {
 /* Of the thread that ticks. A law alone is never audited. Tick. */
 FB_EXPORT fb_status fb_law_ledger(const fb_law* law, fb_ledger* ledger);
 
+/* ---- A device: one of ours, or callbacks of yours. */
+
+typedef struct fb_device fb_device;
+
+/* @param device simulated ("omni", or the path of its TOML file), or behind a driver plug-in ("evdev:path=...", looked for
+ *        in the folders of FORCEBOUND_DEVICE_PATH and where drivers are installed beside this library)
+ * @param hand that moves a simulated device ("trace-sphere", "press:axis=0,..."); null: its default. A driver crashing
+ *        ends the process, after the device was stopped. */
+FB_EXPORT fb_status fb_device_open(const char* device, const char* hand, fb_device** opened);
+
+/* Bits of fb_reading.has: which of the optional fields the program sets. */
+enum { FB_HAS_BUTTONS = 16, FB_HAS_GRIPPER = 32, FB_HAS_ORIENTATION = 64 };
+
+/* One reading of the device. The library sets size and `latched_ns` and zeros the rest before it asks. */
+typedef struct fb_reading {
+  size_t size;
+  uint32_t has;
+  uint32_t buttons;   /* bit k: button k is pressed */
+  int64_t latched_ns; /* when the encoders were sampled, CLOCK_MONOTONIC; now, unless the program knows it better. The same
+                         as before: nothing new was read */
+  double position_m[FB_AXES_MAX]; /* as in fb_motion, without rotations: these are in `orientation` */
+  double joint[FB_JOINTS_MAX];
+  double jacobian[FB_AXES_MAX * FB_JOINTS_MAX];
+  double orientation[4]; /* unit quaternion w, x, y, z: turns the handle's axes into the scene's */
+  double gripper;        /* 0: closed, 1: open */
+} fb_reading;
+
+/* The callbacks of a device. They return FB_OK or anything else for "not done". A callback that takes more than 10 ms, or
+ * throws, has failed too: no force until there is a reading again, and counted (fb_client_state). */
+typedef struct fb_device_callbacks {
+  size_t size;
+  void* user; /* for all of them */
+  /* On the client's thread, 1000 times a second: to return within 0.2 ms, without waiting or allocating. */
+  fb_status (*read)(void* user, fb_reading* reading);
+  /* Commands a force [N], and below it a torque if the device shows one, until the next one. Likewise, after `read`. */
+  fb_status (*command)(void* user, const double* force_N, size_t axes);
+  /* Zero force at once. On any thread, also while another callback is in progress: after a tick that does not come. Null:
+   * `command` of zeros is called in its place. */
+  void (*stop)(void* user);
+  /* Ready to read, zero force; before the first reading. Null: it always is. */
+  fb_status (*start)(void* user);
+} fb_device_callbacks;
+
+/* @param facts of the device: copied. A person's limits hold unless the facts' [safety] says otherwise. */
+FB_EXPORT fb_status fb_device_of_callbacks(const fb_facts* facts, const fb_device_callbacks* callbacks,
+                                           fb_device** device);
+
+/* Null is accepted. A client that was made with it keeps it, and with it the callbacks, until its own end. */
+FB_EXPORT void fb_device_destroy(fb_device* device);
+
+/* ---- A client: the device and a law at work against a server, on a thread of its own. */
+
+typedef struct fb_client fb_client;
+
+/* Only `server` has to be there. */
+typedef struct fb_client_settings {
+  size_t size;
+  const char* server;         /* HOST:PORT */
+  const char* scene;          /* null: the server's default */
+  const char* law;            /* null: "fba-exact" */
+  const char* law_parameters; /* as fb_law_options.parameters */
+  const char* key;            /* file of the client's secret key; null: a new one */
+  const char* server_key;     /* the server's public key in base64, or its file */
+  const char* known_servers;  /* file of servers and their keys */
+  const char* shared_key;     /* file of a key that the server has too */
+  const char* recording;      /* MCAP file of each tick and force; null: none */
+  double duration_s;          /* 0: until stopped */
+  int32_t trust_new;          /* 1: the key of a new server is believed, and added to known_servers */
+  int32_t insecure;           /* 1: not encrypted to other machines too */
+  int32_t remote_rendering;   /* 1: nothing of the scene is run here */
+  int32_t once;               /* 1: give up if the server does not answer for 5 s, or refuses another session */
+} fb_client_settings;
+
+/* Looks up the server, opens the recording, reads the keys. A device serves one client at a time. */
+FB_EXPORT fb_status fb_client_create(const fb_client_settings* settings, fb_device* device, fb_client** client);
+
+/* Starts the device and the thread. Once. FB_FAILED: the device does not start. */
+FB_EXPORT fb_status fb_client_start(fb_client* client);
+
+/* Waits until it has ended: its time is up, it gave up, or it was stopped. FB_NOT_NOW: it still runs after so long, or was
+ * not started. FB_FAILED: there never was a session, and why. @param timeout_s below 0: however long it takes */
+FB_EXPORT fb_status fb_client_wait(fb_client* client, double timeout_s);
+
+/* Zero force, then says good-bye to the server, which takes up to 3 s. Any thread. As fb_client_wait. */
+FB_EXPORT fb_status fb_client_stop(fb_client* client);
+
+/* Stops it first. Null is accepted. */
+FB_EXPORT void fb_client_destroy(fb_client* client);
+
+enum { FB_SESSION_CONNECTING = 0, FB_SESSION_ACTIVE = 1, FB_SESSION_STALE = 2, FB_SESSION_RECONNECTING = 3 };
+
+/* The newest tick. */
+typedef struct fb_client_state {
+  size_t size;
+  uint64_t ticks;      /* so far; 0: there was none, and what follows is zero */
+  int32_t running;     /* 0: not yet, or not any more */
+  int32_t session;     /* FB_SESSION_... */
+  double position_m[FB_AXES_MAX];
+  double request_N[FB_AXES_MAX]; /* what was asked for, and below it the torque [N m] */
+  double force_N[FB_AXES_MAX];   /* what the law made of it: commanded */
+  double force_age_s;  /* since the reading that the newest answer of the server is for */
+  int32_t contact;     /* 1: something is touched, */
+  uint32_t buttons;
+  double depth_m;      /* so deep */
+  double orientation[4]; /* zeros: none */
+  double gripper;
+  uint64_t callbacks_failed; /* they said so, or threw */
+  uint64_t callbacks_late;   /* took more than 10 ms */
+  uint64_t events_lost;      /* more than 1000 waited */
+  char simulated[FB_TEXT_BYTES]; /* what the server simulates; empty: no session yet */
+} fb_client_state;
+
+/* Any thread, at any time. Never makes the tick wait. */
+FB_EXPORT fb_status fb_client_look(fb_client* client, fb_client_state* state);
+
+/* The account of its law at the newest tick, and P where the device is simulated; the counts are in the summary. */
+FB_EXPORT fb_status fb_client_ledger(fb_client* client, fb_ledger* ledger);
+
+/* What happened, for a log. */
+enum {
+  FB_EVENT_WELCOMED = 0,       /* a session; text: what is simulated */
+  FB_EVENT_REFUSED = 1,        /* text: the server's reason */
+  FB_EVENT_SESSION_UNKNOWN = 2,
+  FB_EVENT_SERVER_LEFT = 3,
+  FB_EVENT_FORCE_FADING = 4,   /* the newest force is `duration_s` old */
+  FB_EVENT_FORCE_DROPPED = 5,
+  FB_EVENT_FORCE_FRESH = 6,
+  FB_EVENT_SCENE_HERE = 7,     /* all of it that runs here */
+  FB_EVENT_SCENE_REFUSED = 8,
+  FB_EVENT_LIMITED = 9,        /* by a limit for the hand; text: which, and what ends it */
+  FB_EVENT_DEVICE_GONE = 10,   /* no readings; text: why */
+  FB_EVENT_NO_TORQUE = 11,
+  FB_EVENT_DEVICE_BACK = 12,
+  FB_EVENT_FOLLOWER = 13,      /* the robot at the far end does something else */
+  FB_EVENT_PROBLEM = 1000      /* text: of names, keys, handshakes, the recording */
+};
+
+typedef struct fb_event {
+  size_t size;
+  int32_t kind; /* FB_EVENT_...; programs ignore those that they do not know */
+  int32_t reserved;
+  double duration_s;
+  char text[1024];
+} fb_event;
+
+/* The oldest that waits, which then is taken. FB_NOTHING: none does. Any thread. */
+FB_EXPORT fb_status fb_client_event(fb_client* client, fb_event* event);
+
+/* After the end: JSON, as `forcebound-client --summary` writes it; allocations in ticks are not counted here.
+ * @param text may be null if `bytes` is 0 @param needed of the whole text with its zero; may be null
+ * FB_TOO_SMALL: cut to what fits. */
+FB_EXPORT fb_status fb_client_summary(fb_client* client, char* text, size_t bytes, size_t* needed);
+
 #ifdef __cplusplus
 }
 namespace forcebound_c {

@@ -19,6 +19,14 @@ void set_text(char (&field)[kBytes], std::string_view text) noexcept {
   field[fits] = '\0';
 }
 
+inline constexpr std::size_t kStructBytesMost = std::size_t{1} << 16U;  // beyond is no size but rubbish
+
+[[nodiscard]] inline fb_status refused_null(const char* function, const char* name) noexcept {
+  std::array<char, 256> why{};
+  (void)std::snprintf(why.data(), why.size(), "%s is null", name);
+  return refused(function, why.data());
+}
+
 /// A caller's struct is no such struct: "fb_motion.size is 3, accepted are 520 or more: set it by FB_INIT(fb_motion)".
 [[nodiscard]] inline fb_status refused_size(const char* function, const char* name, std::size_t size,
                                             std::size_t least) noexcept {
@@ -45,9 +53,8 @@ class Given {
   Given(const char* function, const char* name, const Struct* given, std::size_t least) noexcept {
     std::array<char, 256> why{};
     if (given == nullptr) {
-      (void)std::snprintf(why.data(), why.size(), "%s is null", name);
-      status_ = refused(function, why.data());
-    } else if (given->size < least || given->size > kMost) {
+      status_ = refused_null(function, name);
+    } else if (given->size < least || given->size > kStructBytesMost) {
       status_ = refused_size(function, name, given->size, least);
     } else if (!is_zero_beyond(*given)) {
       (void)std::snprintf(why.data(), why.size(),
@@ -71,26 +78,26 @@ class Given {
   [[nodiscard]] const Struct* operator->() const noexcept { return struct_; }
 
  private:
-  static constexpr std::size_t kMost = std::size_t{1} << 16U;  // beyond is no size but rubbish
-
   fb_status status_ = FB_OK;
   const Struct* struct_ = nullptr;
   Struct copy_{};
 };
+
+/// FB_OK, or what the function is to return for a struct of the program that is no such struct.
+template <class Struct>
+[[nodiscard]] fb_status expect_size(const char* function, const char* name, const Struct& given,
+                                    std::size_t least) noexcept {
+  return given.size < least || given.size > kStructBytesMost ? refused_size(function, name, given.size, least) : FB_OK;
+}
 
 /// Gives a program a struct, no further than its size, with zeros for what the library does not know.
 /// @param to may be null @param least bytes that must have room. Noexcept, no allocation.
 template <class Struct>
 [[nodiscard]] fb_status give(const char* function, const char* name, const Struct& from, Struct* to,
                              std::size_t least) noexcept {
-  constexpr std::size_t kMost = std::size_t{1} << 16U;
-  if (to == nullptr) {
-    std::array<char, 256> why{};
-    (void)std::snprintf(why.data(), why.size(), "%s is null", name);
-    return refused(function, why.data());
-  }
+  if (to == nullptr) return refused_null(function, name);
+  if (const fb_status status = expect_size(function, name, *to, least); status != FB_OK) return status;
   const std::size_t size = to->size;
-  if (size < least || size > kMost) return refused_size(function, name, size, least);
   std::memcpy(to, &from, std::min(size, sizeof(Struct)));
   if (size > sizeof(Struct)) std::memset(to + 1, 0, size - sizeof(Struct));
   to->size = size;

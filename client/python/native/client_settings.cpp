@@ -5,8 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "forcebound/baselines/baselines.hpp"
-#include "forcebound/baselines/law_file.hpp"
 #include "python/native/bindings.hpp"
 #include "python/native/fields.hpp"
 #include "python/native/law_choice.hpp"
@@ -34,8 +32,8 @@ std::vector<ClientSetting> client_settings() {
       {"server", [](A& a, py::handle value, const char*) { a.settings.client.server = text_of(value); }},
       {"device",
        [](A& a, py::handle value, const char*) { a.settings.device = value.cast<device::DeviceDescription>(); }},
-      {"hand", [](A& a, py::handle value, const char*) { a.settings.hand = text_of(value); }},
-      {"law", [](A& a, py::handle value, const char*) { a.settings.law = text_of(value); }},
+      {"hand", [](A& a, py::handle value, const char*) { a.settings.client.hand = text_of(value); }},
+      {"law", [](A& a, py::handle value, const char*) { a.settings.client.law = text_of(value); }},
       {"memory", [](A& a, py::handle value, const char*) { a.memory = text_of(value); }},
       {"parameters",
        [](A& a, py::handle value, const char*) { a.parameters = value.cast<std::map<std::string, double>>(); }},
@@ -66,14 +64,8 @@ std::unique_ptr<LiveClient> make_client(const py::kwargs& named) {
   set_fields(asked, named, client_settings(), "Client");
   LiveClient::Settings& settings = asked.settings;
   if (settings.device.facts.joints() == 0) throw py::type_error("Client: expected a device");
-  const control::LawRegistry laws = baselines::shipped_laws();
   settings.law_options = law_options(asked.memory, asked.parameters);
-  settings.client.law = settings.law;
-  settings.client.law_parameters =
-      baselines::describe(laws.parameters(settings.law, settings.device.facts, settings.law_options.parameters));
-  settings.client.guarantee = laws.guarantee(settings.law);
   settings.client.program = "Python, forcebound " FORCEBOUND_VERSION;
-  settings.client.hand = settings.hand;
   const py::gil_scoped_release others_run;  // it resolves the server's name
   return std::make_unique<LiveClient>(settings);
 }

@@ -3,10 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 #include <string>
-#include <utility>
 
-#include "forcebound/baselines/baselines.hpp"
-#include "forcebound/client/runtime/event_queue.hpp"
 #include "forcebound/device/simulated/make_operator.hpp"
 
 namespace forcebound::python {
@@ -44,41 +41,19 @@ py::array KeptTicks::since(std::size_t first) const {
 }
 
 LiveClient::LiveClient(const Settings& settings)
-    : device_(settings.device, device::make_operator(settings.hand, settings.device.facts)),
+    : device_(settings.device, device::make_operator(settings.client.hand, settings.device.facts)),
       ticks_(shape_of_device(device_.facts()), settings.ticks_kept),
-      client_(settings.client, device_,
-              baselines::shipped_laws().make(settings.law, device_.facts(), settings.law_options), {&ticks_}) {}
+      client_({settings.client, settings.law_options}, device_, {&ticks_},
+              {.problem = [this](const std::string& problem) { keep(problem); }}) {}
 
-void LiveClient::look() {
-  client::Event event;
-  while (client_.events().take(event)) {
-  }
-  for (std::string& problem : std::vector{client_.take_server_problem(), client_.take_recording_fault()}) {
-    if (problem.empty()) continue;
-    const std::scoped_lock lock(mutex_);
-    problems_.push_back(std::move(problem));
-  }
-}
-
-void LiveClient::run() {
-  if (begun_.exchange(true)) throw std::runtime_error("a client runs once: make another");
-  client_.run(stop_, [this](time::Nanoseconds, time::Nanoseconds) { look(); });
-  ended_ = true;
+void LiveClient::keep(const std::string& problem) {
+  const std::scoped_lock lock(mutex_);
+  problems_.push_back(problem);
 }
 
 std::vector<std::string> LiveClient::problems() const {
   const std::scoped_lock lock(mutex_);
   return problems_;
-}
-
-std::string LiveClient::summary() const {
-  if (!ended_) throw std::runtime_error("there is no summary before the client has ended");
-  return client_.summary().to_json();
-}
-
-std::string LiveClient::why_no_session() const {
-  if (!ended_) throw std::runtime_error("whether there was a session is known when the client has ended");
-  return client_.why_no_session();
 }
 
 }  // namespace forcebound::python

@@ -1,13 +1,11 @@
 #pragma once
 
 #include <atomic>
-#include <memory>
 #include <mutex>
 #include <string>
 #include <vector>
 
-#include "forcebound/client/runtime/client.hpp"
-#include "forcebound/control/law_description.hpp"
+#include "forcebound/client/embedding/embedded_client.hpp"
 #include "forcebound/device/simulated/simulated_device.hpp"
 #include "python/native/tables.hpp"
 
@@ -38,16 +36,13 @@ class KeptTicks final : public record::TickSink {
   std::atomic<std::size_t> not_kept_{0};
 };
 
-/// The client of the programs with a simulated device and hand. Its tick has a thread of its own, in which no Python
-/// runs: what it saw is looked at from outside.
+/// The client of the programs with a simulated device and hand: what its ticks saw is looked at from outside.
 class LiveClient {
  public:
   struct Settings {
     client::Client::Settings client;
-    device::DeviceDescription device;
-    std::string hand;
-    std::string law;
     control::LawOptions law_options;
+    device::DeviceDescription device;
     std::size_t ticks_kept = 0;
   };
   /// @throws what device, hand, law and client::Client refuse
@@ -55,10 +50,10 @@ class LiveClient {
 
   /// Runs until its time is up, it gives up, or `stop`. Once. Other Python threads run meanwhile.
   /// @throws std::runtime_error for a second time, and what client::Client::run does
-  void run();
+  void run() { client_.run(); }
 
   /// Any thread.
-  void stop() noexcept { stop_ = true; }
+  void stop() noexcept { client_.stop(); }
 
   [[nodiscard]] const KeptTicks& ticks() const noexcept { return ticks_; }
 
@@ -66,22 +61,19 @@ class LiveClient {
   [[nodiscard]] std::vector<std::string> problems() const;
 
   /// After `run`: JSON.
-  [[nodiscard]] std::string summary() const;
+  [[nodiscard]] std::string summary() const { return client_.summary(); }
 
   /// After `run`: why there was no session; empty: there was one.
-  [[nodiscard]] std::string why_no_session() const;
+  [[nodiscard]] std::string why_no_session() const { return client_.why_no_session(); }
 
  private:
-  void look();
+  void keep(const std::string& problem);
 
   device::SimulatedDevice device_;
   KeptTicks ticks_;
-  client::Client client_;
-  std::atomic<bool> stop_{false};
-  std::atomic<bool> begun_{false};
-  std::atomic<bool> ended_{false};
   mutable std::mutex mutex_;
   std::vector<std::string> problems_;
+  client::EmbeddedClient client_;
 };
 
 }  // namespace forcebound::python

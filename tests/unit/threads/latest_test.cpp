@@ -1,4 +1,4 @@
-#include "forcebound/server/follower/latest.hpp"
+#include "forcebound/time/latest.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@ namespace forcebound::server {
 namespace {
 
 TEST(Latest, GivesTheNewestOnce) {
-  Latest<int> latest;
+  time::Latest<int> latest;
   EXPECT_EQ(latest.take(), nullptr);
   latest.store(1);
   latest.store(2);
@@ -27,7 +27,7 @@ TEST(Latest, IsNeverTornAndNeverGoesBack) {
     long a = 0;
     long b = 0;
   };
-  Latest<Pair> latest;
+  time::Latest<Pair> latest;
   constexpr long kLast = 200000;
   std::thread writer([&] {
     for (long n = 1; n <= kLast; ++n) latest.store({n, -n});

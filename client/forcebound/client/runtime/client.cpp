@@ -252,7 +252,8 @@ void Client::run(const std::atomic<bool>& stop, const Housekeeping& housekeeping
     const Nanoseconds now = p.clock.now();
     if (housekeeping) housekeeping(now, now - start);
     const bool stuck = stuck_loop.update(loop.rounds());
-    if (watchdog && (stuck || !p.device.crash().empty())) p.leave(loop, *watchdog, lost);
+    const bool gone = (stuck || !p.device.crash().empty()) && !p.settings.outlives_device;
+    if (watchdog && gone) p.leave(loop, *watchdog, lost);
   }
   tick.join();
   if (p.local) {

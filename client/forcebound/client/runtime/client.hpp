@@ -57,6 +57,8 @@ class Client {
     /// Runs beside another client of this process: it is that one's device that a failed assertion stops. For simulated
     /// devices alone.
     bool beside = false;
+    /// The process goes on where the device does not return from a call: the watchdog stops it, and the tick waits.
+    bool outlives_device = false;
     ViewSink* view = nullptr;  ///< is told how the scene looks, by servers that tell; must outlive the client
     net::Resolver resolver = net::look_up;  ///< finds the addresses of the server's name
     // Further entries of the recording's metadata.
@@ -88,7 +90,8 @@ class Client {
 
   /// Starts the device and runs until the time is up, the client gives up or `stop` is set; ends with zero force. To be
   /// called once. If the driver of a device crashes, or does not return from a call for 2 s, the process ends as `lost`
-  /// says, else with EXIT_FAILURE, after the recording was written: no thread can be ended that is in a call.
+  /// says, else with EXIT_FAILURE, after the recording was written: no thread can be ended that is in a call. Not where
+  /// it outlives the device.
   /// @throws std::exception if the device does not start, or the recording cannot be ended.
   void run(const std::atomic<bool>& stop, const Housekeeping& housekeeping = {}, const Lost& lost = {});
 

@@ -18,9 +18,9 @@
 #include "forcebound/record/wake_ups.hpp"
 #include "forcebound/server/follower/follower.hpp"
 #include "forcebound/server/follower/follower_environment.hpp"
-#include "forcebound/server/follower/latest.hpp"
 #include "forcebound/server/runtime/robot_guard.hpp"
 #include "forcebound/time/clock.hpp"
+#include "forcebound/time/latest.hpp"
 
 namespace forcebound::server {
 
@@ -138,8 +138,8 @@ class FollowerThread final : public FollowerRunner {
   bool ended_ = false;
 
   // Between the two.
-  Latest<Input> inputs_;
-  Latest<FollowerReport> reports_;
+  time::Latest<Input> inputs_;
+  time::Latest<FollowerReport> reports_;
   std::unique_ptr<Changes> changes_;
   std::latch begun_{1};
   std::atomic<bool> over_{false};

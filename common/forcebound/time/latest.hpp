@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-namespace forcebound::server {
+namespace forcebound::time {
 
 /// The newest value that one thread tells another; older ones are dropped. Wait-free, no allocation, one writer and one
 /// reader: three places of which each side owns one, and the third changes hands.
@@ -35,4 +35,4 @@ class Latest {
   std::uint8_t reads_ = 2;
 };
 
-}  // namespace forcebound::server
+}  // namespace forcebound::time
