@@ -2,6 +2,7 @@
 # runs.
 #
 #   forcebound         programs, drivers, scenes, devices, manual pages, completion
+#   libforcebound1     the shared library with the C interface
 #   libforcebound-dev  libraries, headers, CMake files, .proto files
 #   python3-forcebound the Python package with its examples, for the Python that it was built with
 
@@ -79,6 +80,14 @@ set(CPACK_COMPONENT_PROGRAMS_DESCRIPTION
  day for devices, networks, keys and recordings, and a laboratory of
  experiments.")
 
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME libforcebound1)
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_SECTION libs)
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS forcebound)
+set(CPACK_COMPONENT_RUNTIME_DESCRIPTION
+" Laws that bound a force and a client of networked haptics, for programs in C
+ and in languages that call C.")
+
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libforcebound-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION
@@ -91,6 +100,7 @@ set(FORCEBOUND_DEBIAN_LIBRARIES libeigen3-dev libprotobuf-dev libspdlog-dev libt
 if(FORCEBOUND_MUJOCO)
   list(APPEND FORCEBOUND_DEBIAN_LIBRARIES libmujoco-dev libqhull-dev libtinyxml2-dev libopengl-dev libglx-dev libgl-dev)
 endif()
+list(APPEND FORCEBOUND_DEBIAN_LIBRARIES "libforcebound1 (= ${PROJECT_VERSION})")
 list(JOIN FORCEBOUND_DEBIAN_LIBRARIES ", " CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS)
 
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-forcebound)
@@ -109,7 +119,7 @@ function(forcebound_packages)
   forcebound_man_pages()
   forcebound_install_data()
   get_property(libraries GLOBAL PROPERTY FORCEBOUND_COMPONENTS)
-  set(CPACK_COMPONENTS_ALL programs ${libraries})
+  set(CPACK_COMPONENTS_ALL programs c_runtime ${libraries})
   if(TARGET forcebound_python)
     list(APPEND CPACK_COMPONENTS_ALL python)
     # One Python's extension module is of no use to the next.
@@ -124,7 +134,9 @@ function(forcebound_packages)
   include(CPack)
   cpack_add_component_group(programs)
   cpack_add_component_group(development)
+  cpack_add_component_group(runtime)
   cpack_add_component(programs GROUP programs)
+  cpack_add_component(c_runtime GROUP runtime)
   if(TARGET forcebound_python)
     cpack_add_component_group(python)
     cpack_add_component(python GROUP python)
