@@ -36,6 +36,16 @@ inline constexpr std::size_t kStructBytesMost = std::size_t{1} << 16U;  // beyon
   return refused(function, why.data());
 }
 
+[[nodiscard]] inline fb_status refused_beyond(const char* function, const char* name, std::size_t size,
+                                              std::size_t known) noexcept {
+  std::array<char, 256> why{};
+  (void)std::snprintf(why.data(), why.size(),
+                      "%s of %zu bytes sets a field that this library, %s, does not know: accepted are its first %zu "
+                      "bytes, and zeros",
+                      name, size, FORCEBOUND_VERSION, known);
+  return refused(function, why.data());
+}
+
 /// Whether a program's struct sets nothing that lies beyond the library's own.
 template <class Struct>
 [[nodiscard]] bool is_zero_beyond(const Struct& given) noexcept {
@@ -51,22 +61,20 @@ class Given {
  public:
   /// @param given may be null @param least bytes of it that must be there
   Given(const char* function, const char* name, const Struct* given, std::size_t least) noexcept {
-    std::array<char, 256> why{};
     if (given == nullptr) {
       status_ = refused_null(function, name);
+    } else if (given->size == sizeof(Struct)) {
+      struct_ = given;
     } else if (given->size < least || given->size > kStructBytesMost) {
       status_ = refused_size(function, name, given->size, least);
-    } else if (!is_zero_beyond(*given)) {
-      (void)std::snprintf(why.data(), why.size(),
-                          "%s of %zu bytes sets a field that this library, %s, does not know: accepted are its first "
-                          "%zu bytes, and zeros",
-                          name, given->size, FORCEBOUND_VERSION, sizeof(Struct));
-      status_ = refused(function, why.data());
-    } else if (given->size >= sizeof(Struct)) {
-      struct_ = given;
-    } else {
+    } else if (given->size < sizeof(Struct)) {
+      copy_ = {};
       std::memcpy(&copy_, given, given->size);
       struct_ = &copy_;
+    } else if (is_zero_beyond(*given)) {
+      struct_ = given;
+    } else {
+      status_ = refused_beyond(function, name, given->size, sizeof(Struct));
     }
   }
   Given(const Given&) = delete;
@@ -80,7 +88,7 @@ class Given {
  private:
   fb_status status_ = FB_OK;
   const Struct* struct_ = nullptr;
-  Struct copy_{};
+  Struct copy_;  // set where it is used: a tick has no time for zeros
 };
 
 /// FB_OK, or what the function is to return for a struct of the program that is no such struct.

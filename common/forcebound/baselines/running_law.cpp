@@ -1,5 +1,6 @@
 #include "forcebound/baselines/running_law.hpp"
 
+#include <limits>
 #include <utility>
 
 #include "forcebound/baselines/baselines.hpp"
@@ -32,11 +33,10 @@ RunningLaw::RunningLaw(control::DeviceFacts facts, const std::string& name, cont
 }
 
 void RunningLaw::time_by_facts() noexcept {
-  const control::Motion by_facts;
   motion_.latency_s = motion_.latency_s_max = facts_.latency_s;
-  motion_.effect_s = by_facts.effect_s;
-  motion_.held_s = by_facts.held_s;
-  motion_.write_failed = by_facts.write_failed;
+  motion_.effect_s = std::numeric_limits<double>::quiet_NaN();
+  motion_.held_s = std::numeric_limits<double>::infinity();
+  motion_.write_failed = false;
 }
 
 void RunningLaw::begin_tick() noexcept {
