@@ -687,7 +687,8 @@ public struct Event {
   public override string ToString() => Text.Length == 0 ? Kind.ToString() : Kind + ": " + Text;
 }
 
-/// <summary>The device and a law at work against a server, on a thread of the library. Any thread.</summary>
+/// <summary>The device and a law at work against a server, on a thread of the library. Any thread. The end of the program
+/// ends it too.</summary>
 public sealed class Client : IDisposable {
   private readonly Native.ClientHandle handle;
   private readonly Callbacks callbacks;
@@ -711,6 +712,7 @@ public sealed class Client : IDisposable {
   public void Start() {
     Native.Check(Native.fb_client_start(Open));
     started = true;
+    Running.Add(handle);
   }
 
   /// <summary>Waits until it has ended. @returns false if it still runs after so long.</summary>
@@ -778,7 +780,7 @@ public sealed class Client : IDisposable {
     Exception first = callbacks.First;
     throw new ForceboundException(Status.Failed, "a callback of the device threw " + (threw - before) +
                                   " times, with zero force each time; first: " + first.GetType().Name + ": " +
-                                  first.Message, first);
+                                  first.Message.Split('\n')[0].TrimEnd(), first);
   }
 
   /// <summary>Stops it first.</summary>
@@ -790,11 +792,36 @@ public sealed class Client : IDisposable {
   }
 }
 
+// Ends what runs when the program does: a callback must not be called into a runtime that is being taken down.
+internal static class Running {
+  private static readonly List<WeakReference> clients = new List<WeakReference>();
+
+  static Running() {
+    AppDomain.CurrentDomain.ProcessExit += (sender, end) => End();
+    AppDomain.CurrentDomain.DomainUnload += (sender, end) => End();
+  }
+
+  internal static void Add(SafeHandle client) {
+    lock (clients) {
+      clients.RemoveAll(one => !one.IsAlive);
+      clients.Add(new WeakReference(client));
+    }
+  }
+
+  private static void End() {
+    lock (clients) {
+      foreach (WeakReference one in clients) (one.Target as SafeHandle)?.Dispose();
+      clients.Clear();
+    }
+  }
+}
+
 // The header as it is: names, fields and values are compared with it by a test.
 internal static unsafe class Native {
   private const string Name = "forcebound";
   private const CallingConvention C = CallingConvention.Cdecl;
 
+  internal const int FB_ABI = 1;
   internal const int FB_AXES_MAX = 6;
   internal const int FB_JOINTS_MAX = 7;
   internal const int FB_TEXT_BYTES = 256;
@@ -809,9 +836,9 @@ internal static unsafe class Native {
   internal const int FB_HAS_LATENCY_MAX = 2;
   internal const int FB_HAS_EFFECT = 4;
   internal const int FB_HAS_HELD = 8;
-  internal const int FB_HAS_BUTTONS = 1;
-  internal const int FB_HAS_GRIPPER = 2;
-  internal const int FB_HAS_ORIENTATION = 4;
+  internal const int FB_HAS_BUTTONS = 16;
+  internal const int FB_HAS_GRIPPER = 32;
+  internal const int FB_HAS_ORIENTATION = 64;
   internal const int FB_SESSION_CONNECTING = 0;
   internal const int FB_SESSION_ACTIVE = 1;
   internal const int FB_SESSION_STALE = 2;
