@@ -108,7 +108,11 @@ static partial class Checks {
       Func<bool> start = () => { throw new Exception("start"); };
       using (Device device = Device.Of(facts, read, command, stop, start))
       using (var client = new Client(Settings(1), device)) {
-        Console.WriteLine(Thrown<ForceboundException>(client.Start, "start").Message);
+        Action run = () => {
+          client.Start();
+          client.Wait();
+        };
+        Console.WriteLine(Thrown<ForceboundException>(run, "start").Message);
         Expect(device.FirstThrown.Message == "start", "its own exception");
       }
     }
