@@ -1,11 +1,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <array>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <regex>
 #include <set>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 
 #include "tests/process/programs.hpp"
@@ -90,7 +92,8 @@ TEST(CSharp, SaysForWhichProcessorALibraryIs) {
   constexpr std::size_t kMachine = 18;
   constexpr char kAArch64 = static_cast<char>(183);
   const TemporaryFolder folder;
-  std::string library = content(FORCEBOUND_LIBRARY).substr(0, 4096);
+  std::string library(4096, '\0');
+  std::ifstream(FORCEBOUND_LIBRARY, std::ios::binary).read(library.data(), std::ssize(library));
   ASSERT_EQ(library[kClass], 2) << "of 64 bits";
   library[kMachine] = kAArch64;
   write_file(folder.file("libforcebound.so"), library);
