@@ -108,7 +108,8 @@ TEST(CSharp, SaysForWhichProcessorALibraryIs) {
 /// The number before `unit` in the sample's last line.
 double printed(const Ran& ran, const std::string& pattern) {
   std::smatch match;
-  if (!std::regex_search(ran.out, match, std::regex(pattern))) throw std::runtime_error("no " + pattern + ": " + ran.out);
+  if (!std::regex_search(ran.out, match, std::regex(pattern)))
+    throw std::runtime_error("no " + pattern + ": " + ran.out);
   return std::stod(match[1]);
 }
 
