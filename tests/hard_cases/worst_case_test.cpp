@@ -67,9 +67,13 @@ class CheckedRun {
   void add_joints(World& world) const {
     for (Eigen::Index i = 0; i < facts_.damping.rows(); ++i) {
       const Bracket& gain_share = facts_.uncertainty.torque_gain_share;
-      const test::WorstCase worst((1 - Real{facts_.uncertainty.damping_share}) * facts_.damping(i, i),
-                                  (1 - Real{facts_.uncertainty.friction_share}) * facts_.friction[i]);
-      world.joints.push_back({{{1 + Real{gain_share.least}, worst}, {1 + Real{gain_share.most}, worst}}});
+      const auto with = [&](Real gain) {
+        const Real scale = facts_.uncertainty.losses_with_gain ? gain : 1;
+        return WithGain{gain,
+                        test::WorstCase(scale * (1 - Real{facts_.uncertainty.damping_share}) * facts_.damping(i, i),
+                                        scale * (1 - Real{facts_.uncertainty.friction_share}) * facts_.friction[i])};
+      };
+      world.joints.push_back({{with(1 + Real{gain_share.least}), with(1 + Real{gain_share.most})}});
       world.commands.push_back({{}});
     }
   }
@@ -128,6 +132,7 @@ class CheckedRun {
     doubt.friction_share = draw_.one_of({0, 0.5});
     doubt.torque_ripple_share = draw_.one_of({0, 0, 0.01, 0.2});
     doubt.torque_gain_share = {-draw_.one_of({0, 0, 0.01, 0.3}), draw_.one_of({0, 0, 0.01, 0.3})};
+    doubt.losses_with_gain = draw_.sometimes(0.5);
     doubt.latency_offset_s = {-facts.latency_s * draw_.one_of({0, 0, 0, 0.5}), t * draw_.one_of({0, 0, 0, 0.1, 2})};
     doubt.clock_share = draw_.one_of({0, 0, 0, 1e-3, 0.1});
     writes_failed_ = draw_.one_of({0, 0, 0, 0.1});

@@ -24,6 +24,7 @@ class Uncertainty:
         damping_share: float = 0,
         friction_share: float = 0,
         torque_gain_share: tuple[float, float] = (0, 0),
+        losses_with_gain: bool = False,
         torque_ripple_share: float = 0,
         actuator_lag_s: float = 0,
     ) -> None: ...
@@ -46,6 +47,8 @@ class Uncertainty:
     def friction_share(self) -> float: ...
     @property
     def torque_gain_share(self) -> tuple[float, float]: ...
+    @property
+    def losses_with_gain(self) -> bool: ...
     @property
     def torque_ripple_share(self) -> float: ...
     @property

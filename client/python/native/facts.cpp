@@ -70,6 +70,9 @@ const std::vector<Field<Uncertainty>>& uncertainty_fields() {
       number_field<&Uncertainty::friction_share>("friction_share", "The friction is smaller by up to this share."),
       bracket_field<&Uncertainty::torque_gain_share>(
           "torque_gain_share", "Each motor's torque is the command times a constant, 1 and (least, most) more."),
+      flag_field<&Uncertainty::losses_with_gain>(
+          "losses_with_gain",
+          "Damping and friction are told in units of the commands: a motor's constant times these."),
       number_field<&Uncertainty::torque_ripple_share>(
           "torque_ripple_share", "And off by up to this share of that, another one at each instant."),
       number_field<&Uncertainty::actuator_lag_s>("actuator_lag_s",

@@ -28,6 +28,8 @@ struct Uncertainty {
   double damping_share = 0;    ///< the damping is smaller by up to this share
   double friction_share = 0;   ///< likewise the friction
   Bracket torque_gain_share{};     ///< each motor's torque is the command times one constant, 1 and so much more
+  bool losses_with_gain = false;   ///< damping and friction are told in units of the commands: each motor's gain times
+                                   ///< these are the truth
   double torque_ripple_share = 0;  ///< and is off by up to this share of that, another one at each instant
   double actuator_lag_s = 0;  ///< the torque follows the command with a first-order lag of up to this time constant
 

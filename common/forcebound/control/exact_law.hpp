@@ -37,13 +37,14 @@ struct Spending {
 ///     R_i(f) = r(f, q f, T_1) + r(s f, q s f, T_2 - T_1),               r(m, k, t) = max(|m| + k - c, 0)^2 t/(4b)
 ///
 /// where a motor makes g times the command, g a constant between g- and g+ (`torque_gain_share`), so that the energy is
-/// least at one of these two (proof, Lemma 5), and S_i >= 0 is what joint i then has more at g+ than at g-. q is
-/// `torque_ripple_share`. The device holds all of a force until T_1 and the share s until T_2, both the longest that
-/// the facts allow, T_1 and the actuator's lag together. What the lag leaves of earlier forces is subtracted from E_n
-/// too. Scaling the torque scales the tip force: its direction is kept, no inverse Jacobian appears, singular
-/// configurations are harmless. Without any energy the torque is what friction holds: the largest one along J'u with g+
-/// (1 + q) |tau_i| <= c_i. Where the tip turns, f is a force and a torque: nothing changes, as all terms are energies
-/// of the joints. A coupled damping matrix D counts as the diagonal `largest_diagonal_below` it.
+/// least at one of these two (proof, Lemma 5; `losses_with_gain`: b and c are g times the facts'), and S_i >= 0 is what
+/// joint i then has more at g+ than at g-. q is `torque_ripple_share`. The device holds all of a force until T_1 and
+/// the share s until T_2, both the longest that the facts allow, T_1 and the actuator's lag together. What the lag
+/// leaves of earlier forces is subtracted from E_n too. Scaling the torque scales the tip force: its direction is kept,
+/// no inverse Jacobian appears, singular configurations are harmless. Without any energy the torque is what friction
+/// holds: the largest one along J'u with g+ (1 + q) |tau_i| <= c_i. Where the tip turns, f is a force and a torque:
+/// nothing changes, as all terms are energies of the joints. A coupled damping matrix D counts as the diagonal
+/// `largest_diagonal_below` it.
 ///
 /// Of times, torques, damping and friction only bounds need be known (DeviceFacts::uncertainty): V is taken over
 /// everything within them. The proof is in README.md beside this file.

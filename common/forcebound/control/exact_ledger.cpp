@@ -16,13 +16,20 @@ constexpr double kIntervalLeastPeriods = 0.1;
 constexpr double kRounding = 1e-15;
 constexpr double kStepRounding = 1e-9;
 
+Bracket gain_of(const Uncertainty& uncertainty) {
+  return {1 + uncertainty.torque_gain_share.least, 1 + uncertainty.torque_gain_share.most};
+}
+
+/// @param scale of damping and friction, with the least gain and with the most
 template <typename Joint, std::size_t... Number>
-std::array<Joint, kJointsMax> make_joints(const Vector& damping, const Vector& friction,
+std::array<Joint, kJointsMax> make_joints(const Vector& damping, const Vector& friction, const Bracket& scale,
                                           std::index_sequence<Number...> /*joints*/) {
   const auto joint = [&](std::size_t i) {
     const auto row = static_cast<Eigen::Index>(i);
-    const LeastEnergy least = row < damping.rows() ? LeastEnergy(damping[row], friction[row]) : LeastEnergy(1, 0);
-    return Joint{.least = least, .most = least, .more = {}};
+    const auto scaled = [&](double by) {
+      return row < damping.rows() ? LeastEnergy(by * damping[row], by * friction[row]) : LeastEnergy(1, 0);
+    };
+    return Joint{.least = scaled(scale.least), .most = scaled(scale.most), .more = {}};
   };
   return {joint(Number)...};
 }
@@ -34,6 +41,7 @@ ExactLedger::ExactLedger(const DeviceFacts& facts, double offset_s)
       // Proof, A1 and A2: at every instant so much of damping and friction is there.
       joints_(make_joints<Joint>((1 - facts.uncertainty.damping_share) * largest_diagonal_below(facts.damping),
                                  (1 - facts.uncertainty.friction_share) * facts.friction,
+                                 facts.uncertainty.losses_with_gain ? gain_of(facts.uncertainty) : Bracket{1, 1},
                                  std::make_index_sequence<kJointsMax>())),
       encoder_half_((0.5 * (1 + kStepRounding) + facts.uncertainty.encoder_steps) * facts.encoder_step),
       period_s_(facts.period_s),
@@ -45,7 +53,7 @@ ExactLedger::ExactLedger(const DeviceFacts& facts, double offset_s)
       other_offsets_s_{facts.uncertainty.latency_offset_s.least - offset_s,
                        facts.uncertainty.latency_offset_s.most - offset_s},
       // Proof, A5: what a motor makes of a command is a constant times that, and a ripple.
-      gain_{1 + facts.uncertainty.torque_gain_share.least, 1 + facts.uncertainty.torque_gain_share.most},
+      gain_(gain_of(facts.uncertainty)),
       ripple_share_(facts.uncertainty.torque_ripple_share),
       lag_s_(facts.uncertainty.actuator_lag_s),
       // Proof, A9: nothing is in effect before the first force.
@@ -132,9 +140,9 @@ void ExactLedger::let_act(double duration_s, double stretch) noexcept {
 void ExactLedger::charge_between(const Vector& jumps, double passed_s) noexcept {
   const double half_s = 0.5 * (other_offsets_s_.most - other_offsets_s_.least);
   for (Eigen::Index i = 0; i < joint_count_; ++i) {
-    const LeastEnergy& least = joint(i).least;
+    const LeastEnergy& most = joint(i).most;
     const double jump = gain_.most * (1 + ripple_share_) * jumps[i];
-    between_.add(half_s * jump / least.damping() * (half_s * jump / (4 * passed_s) + least.friction()));
+    between_.add(half_s * jump / most.damping() * (half_s * jump / (4 * passed_s) + most.friction()));
   }
 }
 
@@ -146,9 +154,9 @@ void ExactLedger::charge_all() noexcept {
     const Vector left = held_.left_by_lag();
     for (Eigen::Index i = 0; i < joint_count_; ++i) {
       held_.each([&](const Vector& mid, const Vector& spread) {
-        add(i, [&](const LeastEnergy&, double gain) { return -needed_J(i, gain * (std::abs(mid[i]) + spread[i])); });
+        add(i, [&](const LeastEnergy& v, double gain) { return -needed_J(v, gain * (std::abs(mid[i]) + spread[i])); });
       });
-      add(i, [&](const LeastEnergy&, double gain) { return -lag_can_take_J(i, gain * left[i]); });
+      add(i, [&](const LeastEnergy& v, double gain) { return -lag_can_take_J(v, gain * left[i]); });
     }
     const double over_s = held_.horizon_s() + other_offsets_s_.most + paid_.part_s.most + kLagsUntilNothing * lag_s_;
     blind_s_ = std::max(blind_s_, over_s - std::min(0.0, stamp_s_.least));
@@ -173,23 +181,24 @@ ExactLedger::AtEffect ExactLedger::at_effect(double latency_s) const noexcept {
   double left_J = 0;
   // Adds what joint i loses to `sum_J` with the least gain, and to S by how much less that is than with the most.
   const auto take = [&](Eigen::Index i, double& sum_J, auto&& loss_J) {
-    const double least_J = loss_J(gain_.least);
+    const double least_J = loss_J(joint(i).least, gain_.least);
     sum_J += least_J;
-    if (!gain_known()) result.more_at_most[static_cast<std::size_t>(i)] -= loss_J(gain_.most) - least_J;
+    if (gain_known()) return;
+    result.more_at_most[static_cast<std::size_t>(i)] -= loss_J(joint(i).most, gain_.most) - least_J;
   };
   Vector left = held_.left_by_lag();
   held_.each_piece(stamp_s_.least, begin_s, [&](const Vector& mid, const Vector& spread, double piece_s) {
     for (Eigen::Index i = 0; i < joint_count_; ++i) {
       const double size = std::abs(mid[i]);
-      take(i, taken_J, [&](double gain) {
-        return joint(i).least.reserve_J(gain * mid[i], spread_of(gain * size, gain * spread[i]), piece_s);
+      take(i, taken_J, [&](const LeastEnergy& v, double gain) {
+        return v.reserve_J(gain * mid[i], spread_of(gain * size, gain * spread[i]), piece_s);
       });
       left[i] = std::max(left[i], size + spread[i]);
     }
   });
   for (Eigen::Index i = 0; i < joint_count_; ++i) {
-    take(i, left_J, [&](double gain) { return lag_can_take_J(i, gain * left[i]); });
-    result.lag_leaves = result.lag_leaves || lag_can_take_J(i, gain_.most * left[i]) > 0;
+    take(i, left_J, [&](const LeastEnergy& v, double gain) { return lag_can_take_J(v, gain * left[i]); });
+    result.lag_leaves = result.lag_leaves || lag_can_take_J(joint(i).most, gain_.most * left[i]) > 0;
   }
   result.energy_J = energy_.value_J() - taken_J - left_J;
   for (Eigen::Index i = 0; i < joint_count_ && !gain_known(); ++i) {
@@ -208,16 +217,16 @@ std::optional<ExactLedger::AtEffect> ExactLedger::spendable(const AtEffect& left
 }
 
 /// The most that the lag's rest of a torque of this size can take. Proof, A5: whatever the time constant up to lag_s.
-double ExactLedger::lag_can_take_J(Eigen::Index i, double left) const noexcept {
-  return lag_s_ > 0 ? joint(i).least.reserve_J(left, ripple_share_ * left, lag_s_) : 0;
+double ExactLedger::lag_can_take_J(const LeastEnergy& joint, double left) const noexcept {
+  return lag_s_ > 0 ? joint.reserve_J(left, ripple_share_ * left, lag_s_) : 0;
 }
 
 /// The sum over the stages of the release (proof, A7). Proof, A5: the torque may be larger by its ripple, and go on for
 /// the lag.
-double ExactLedger::needed_J(Eigen::Index i, double torque) const noexcept {
+double ExactLedger::needed_J(const LeastEnergy& joint, double torque) const noexcept {
   const double part_s = paid_.part_s.most - paid_.full_s.most;
   const auto stage_J = [&](double size, double duration_s) {
-    return joint(i).least.reserve_J(size, ripple_share_ * size, duration_s);
+    return joint.reserve_J(size, ripple_share_ * size, duration_s);
   };
   const double needed_J = stage_J(torque, paid_.full_s.most + lag_s_);
   return part_s > 0 ? needed_J + stage_J(paid_.share * torque, part_s) : needed_J;
@@ -228,9 +237,10 @@ double ExactLedger::needed_J(const Vector& torque, const PerJoint& more_at_most)
   double needed_J = 0;
   for (Eigen::Index i = 0; i < joint_count_; ++i) {
     const double size = std::abs(torque[i]);
-    double joint_J = this->needed_J(i, gain_.least * size);
+    double joint_J = this->needed_J(joint(i).least, gain_.least * size);
     if (!gain_known()) {
-      joint_J = std::max(joint_J, this->needed_J(i, gain_.most * size) - more_at_most[static_cast<std::size_t>(i)]);
+      const double most_J = this->needed_J(joint(i).most, gain_.most * size);
+      joint_J = std::max(joint_J, most_J - more_at_most[static_cast<std::size_t>(i)]);
     }
     needed_J += joint_J;
   }
@@ -238,10 +248,9 @@ double ExactLedger::needed_J(const Vector& torque, const PerJoint& more_at_most)
 }
 
 /// For a torque > 0, its ripple included; it begins to need something where friction is overcome.
-std::array<ExactLedger::Stage, 2> ExactLedger::stages(Eigen::Index i, double torque) const noexcept {
-  const LeastEnergy& least = joint(i).least;
+std::array<ExactLedger::Stage, 2> ExactLedger::stages(const LeastEnergy& joint, double torque) const noexcept {
   const auto stage = [&](double size, double duration_s) {
-    return Stage{least.friction() / size, size * size * duration_s / (4 * least.damping())};
+    return Stage{joint.friction() / size, size * size * duration_s / (4 * joint.damping())};
   };
   const Stage full = stage(torque, paid_.full_s.most + lag_s_);
   const double part = paid_.share * torque;
@@ -255,12 +264,12 @@ double ExactLedger::largest_scale(const Vector& torque, const AtEffect& spendabl
   for (Eigen::Index i = 0; i < joint_count_; ++i) {
     const double size = std::abs(torque[i]) * (1 + ripple_share_);
     if (!(size > 0)) continue;
-    const auto least = stages(i, gain_.least * size);
+    const auto least = stages(joint(i).least, gain_.least * size);
     if (gain_known()) {
       for (const Stage& stage : least) needed.bend(stage.begin, 0, stage.weight);
       continue;
     }
-    const auto most = stages(i, gain_.most * size);
+    const auto most = stages(joint(i).most, gain_.most * size);
     ParabolaSum<4> difference;
     for (const Stage& stage : most) difference.bend(stage.begin, 0, stage.weight);
     for (const Stage& stage : least) difference.bend(stage.begin, 0, -stage.weight);

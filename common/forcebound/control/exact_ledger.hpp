@@ -105,9 +105,9 @@ class ExactLedger {
   [[nodiscard]] double spread_of(double size, double spread) const noexcept {
     return spread + ripple_share_ * (size + spread);
   }
-  [[nodiscard]] double lag_can_take_J(Eigen::Index i, double left) const noexcept;
-  [[nodiscard]] double needed_J(Eigen::Index i, double torque) const noexcept;
-  [[nodiscard]] std::array<Stage, 2> stages(Eigen::Index i, double torque) const noexcept;
+  [[nodiscard]] double lag_can_take_J(const LeastEnergy& joint, double left) const noexcept;
+  [[nodiscard]] double needed_J(const LeastEnergy& joint, double torque) const noexcept;
+  [[nodiscard]] std::array<Stage, 2> stages(const LeastEnergy& joint, double torque) const noexcept;
 
   Eigen::Index joint_count_;
   std::array<Joint, kJointsMax> joints_;

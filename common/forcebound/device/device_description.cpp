@@ -37,7 +37,8 @@ std::string uncertainty_text(const control::Uncertainty& uncertainty) {
   share("friction", uncertainty.friction_share);
   if (uncertainty.torque_gain_share != control::Bracket{}) {
     out << ", motors' gain " << 100 * uncertainty.torque_gain_share.least << " to "
-        << 100 * uncertainty.torque_gain_share.most << " %";
+        << 100 * uncertainty.torque_gain_share.most << " %"
+        << (uncertainty.losses_with_gain ? " and losses alike" : "");
   }
   share("torque ripple", uncertainty.torque_ripple_share);
   if (uncertainty.encoder_steps > 0) out << ", encoder " << uncertainty.encoder_steps << " steps beyond rounding";

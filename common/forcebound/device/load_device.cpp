@@ -122,6 +122,7 @@ control::Uncertainty read_uncertainty(config::CheckedTable section, const contro
   uncertainty.damping_share = read_share(section, "damping_share");
   uncertainty.friction_share = read_share(section, "friction_share");
   uncertainty.torque_gain_share = read_gain(section, "torque_gain_share");
+  uncertainty.losses_with_gain = section.flag("losses_with_gain", false);
   uncertainty.torque_ripple_share = read_ripple(section);
   uncertainty.actuator_lag_s =
       section.number({.key = "actuator_lag_s", .preset = 0, .least = 0, .most = kLatencyMax_s});

@@ -38,7 +38,9 @@ namespace forcebound::device {
 ///                                     beyond what the facts say, stamp_s, latency_s, hold_s, and of what is one
 ///                                     constant over a run, latency_offset_s, torque_gain_share (one number: as much
 ///                                     less); shares clock_share, damping_share, friction_share, torque_ripple_share
-///                                     (torque_share before); encoder_steps beyond half a step; actuator_lag_s
+///                                     (torque_share before); encoder_steps beyond half a step; actuator_lag_s;
+///                                     losses_with_gain = false: true says that damping and friction are told in units
+///                                     of the commands, so that each motor's gain times them is the truth
 ///
 ///     [safety]                        limits for the hand (Safety): ramp_s, speed_m_per_s_max, workspace_radius_m,
 ///                                     workspace_fade_m, rms_force_N_max, rms_s, and with torque_N_m_max

@@ -38,7 +38,13 @@ class Opponent {
         joint_(Vector::Zero(dof_)),
         offset_(Vector::Zero(dof_)),
         command_(Vector::Zero(dof_)),
-        torque_(Vector::Zero(dof_)) {}
+        torque_(Vector::Zero(dof_)) {
+    if (!game.truth.losses_with_gain) return;
+    // Of a coupled damping what lies in the joints alone grows by the gains, or more.
+    const Vector root = gain_.cwiseSqrt();
+    damping_ = Matrix(root.asDiagonal() * damping_ * root.asDiagonal());
+    friction_ = friction_.cwiseProduct(gain_);
+  }
 
   KinematicOutcome play(control::PassivityLaw& law) {
     tick(law, 0);
@@ -381,6 +387,7 @@ control::Uncertainty uncertainty_of(const DeviceTruth& truth, const control::Dev
           .damping_share = truth.damping_share,
           .friction_share = truth.friction_share,
           .torque_gain_share = truth.torque_gain_share,
+          .losses_with_gain = truth.losses_with_gain,
           .torque_ripple_share = truth.torque_ripple_share,
           .actuator_lag_s = truth.actuator_lag_s};
 }

@@ -23,6 +23,7 @@ struct DeviceTruth {
   double damping_share = 0;              ///< of the damping is missing
   double friction_share = 0;             ///< of the friction is missing
   control::Bracket torque_gain_share{};  ///< each motor makes a constant times the command, drawn for each game
+  bool losses_with_gain = false;         ///< and its damping and friction are as many times those of the facts
   double torque_ripple_share = 0;        ///< the torque is off by this share, always to the opponent's advantage
   double actuator_lag_s = 0;             ///< time constant
   double failed_writes = 0;              ///< share of the commands

@@ -128,7 +128,7 @@ TEST(ParseDevice, TakesBoundsOfWhatIsNotKnownExactly) {
       "latency_s = 1e-4\nrelease_share = 0.3\nrelease_s = 0.002\nspeed_m_per_s_max = 3\n[uncertainty]\n"
       "stamp_s = [-20e-6, 5e-6]\nlatency_s = [-1e-5, 5e-5]\nlatency_offset_s = [0, 1e-4]\nhold_s = [-1e-4, 1e-4]\n"
       "clock_share = 5e-4\nencoder_steps = 0.1\ndamping_share = 0.02\nfriction_share = 0.2\n"
-      "torque_gain_share = [-0.03, 0.1]\ntorque_ripple_share = 0.01\n";
+      "torque_gain_share = [-0.03, 0.1]\nlosses_with_gain = true\ntorque_ripple_share = 0.01\n";
   const DeviceDescription device = parse_device(text, "mine.toml");
   EXPECT_EQ(device.facts.uncertainty, (control::Uncertainty{.stamp_s = {-20e-6, 5e-6},
                                                             .latency_s = {-1e-5, 5e-5},
@@ -139,6 +139,7 @@ TEST(ParseDevice, TakesBoundsOfWhatIsNotKnownExactly) {
                                                             .damping_share = 0.02,
                                                             .friction_share = 0.2,
                                                             .torque_gain_share = {-0.03, 0.1},
+                                                            .losses_with_gain = true,
                                                             .torque_ripple_share = 0.01}));
   EXPECT_EQ(device.facts.release_share, 0.3);
   EXPECT_EQ(device.facts.release_s, 0.002);
