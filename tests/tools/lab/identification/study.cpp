@@ -88,23 +88,20 @@ control::DeviceFacts true_facts(const HiddenDevice& hidden, const control::Vecto
   return facts;
 }
 
-/// @param gain of the motors. A single one's findings are in units of its commands
+/// @param gain of the motors: damping and friction are found in units of their commands
 void compare_joints(StudyDevice& study, const Findings& findings, const control::DeviceFacts& truth,
                     const control::Vector& gain) {
-  const double unit = findings.joints.size() == 1 ? gain[0] : 1;
-  const auto compare = [&](const JointFindings& joint, const LowerBound& bound, double true_value,
-                           std::vector<double>& shares) {
-    const bool written = bound.refused.empty();
-    const double least = unit * findings.least(joint, bound);
-    study.bounds += written;
-    study.above += written && least > true_value;
+  const auto compare = [&](const LowerBound& bound, double unit, double true_value, std::vector<double>& shares) {
+    const double least = unit * bound.least();
+    study.bounds += bound.refused.empty();
+    study.above += least > true_value;
     if (true_value > 0) shares.push_back(least / true_value);
   };
   for (std::size_t i = 0; i < findings.joints.size(); ++i) {
     const JointFindings& joint = findings.joints[i];
     const auto row = static_cast<Eigen::Index>(i);
-    compare(joint, joint.balance.damping, truth.damping(row, row), study.damping_share);
-    compare(joint, joint.balance.friction, truth.friction[row], study.friction_share);
+    compare(joint.balance.damping, gain[row], truth.damping(row, row), study.damping_share);
+    compare(joint.balance.friction, gain[row], truth.friction[row], study.friction_share);
     constexpr double kSame = 1e-9;
     const double step = truth.encoder_step[row];
     study.wrong_step |= joint.encoder_refused.empty() && std::abs(joint.encoder_step - step) > kSame * step;

@@ -18,6 +18,9 @@ struct LowerBound {
   double estimate = 0;
   double bound = 0;
   std::string refused{};
+
+  /// What a law may rely on: 0 where refused.
+  [[nodiscard]] double least() const noexcept { return refused.empty() ? bound : 0; }
 };
 
 /// The energy that one joint's slides took.

@@ -84,15 +84,11 @@ void write_joints(Lines& lines, const Findings& findings, bool cartesian, double
   if (any_refused(findings, [](const JointFindings& j) -> const std::string& { return j.balance.damping.refused; })) {
     lines.refused(damping, "see the reasons above; a law cannot do without it");
   } else {
-    lines.fact(
-        damping,
-        list(findings, [&](const JointFindings& j) { return written_below(findings.least(j, j.balance.damping)); }),
-        "lower bound; " + from);
+    lines.fact(damping, list(findings, [](const JointFindings& j) { return written_below(j.balance.damping.least()); }),
+               "lower bound; " + from);
   }
-  lines.fact(
-      friction,
-      list(findings, [&](const JointFindings& j) { return written_below(findings.least(j, j.balance.friction)); }),
-      "lower bound, least of " + std::to_string(kPlaces) + " places; " + from);
+  lines.fact(friction, list(findings, [](const JointFindings& j) { return written_below(j.balance.friction.least()); }),
+             "lower bound, least of " + std::to_string(kPlaces) + " places; " + from);
   if (any_refused(findings, [](const JointFindings& j) -> const std::string& { return j.encoder_refused; })) {
     lines.refused(step, "see the reasons above");
   } else {
@@ -140,6 +136,7 @@ void write_uncertainty(Lines& lines, const Findings& findings, const control::De
              findings.joints.size() == 1 ? "of one motor it does not matter"
              : findings.gains_measured   ? "by the known mass"
                                          : as_reported);
+  lines.fact("losses_with_gain", "true", "damping and friction above are in units of the motors' commands");
   lines.fact("torque_ripple_share", text::to_text(told.torque_ripple_share), as_reported);
   lines.fact("actuator_lag_s", text::to_text(told.actuator_lag_s), as_reported);
 }
@@ -230,11 +227,10 @@ std::string slides_csv(const Findings& findings, bool cartesian) {
       {{"joint"}, {"direction"}, {"speed"}, {"force"}, {"damping"}, {"friction"}, {"speed_unit"}, {"force_unit"}});
   for (std::size_t i = 0; i < findings.joints.size(); ++i) {
     const JointFindings& joint = findings.joints[i];
-    const auto bound = [](const LowerBound& b) { return b.refused.empty() ? b.bound : 0; };
     for (const SlidePoint& point : joint.points) {
       table.add({std::to_string(i + 1), point.direction > 0 ? "1" : "-1", rounded(point.speed, 6),
-                 rounded(point.force, 6), rounded(bound(joint.balance.damping), 6),
-                 rounded(bound(joint.balance.friction), 6), cartesian ? "m/s" : "rad/s", cartesian ? "N" : "N m"});
+                 rounded(point.force, 6), rounded(joint.balance.damping.least(), 6),
+                 rounded(joint.balance.friction.least(), 6), cartesian ? "m/s" : "rad/s", cartesian ? "N" : "N m"});
     }
   }
   return table.to_csv();

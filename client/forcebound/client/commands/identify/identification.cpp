@@ -98,11 +98,6 @@ control::Bracket Findings::torque_gain_share() const noexcept {
   return all;
 }
 
-double Findings::least(const JointFindings& joint, const LowerBound& bound) const noexcept {
-  if (!bound.refused.empty()) return 0;
-  return joints.size() < 2 ? bound.bound : (1 + joint.gain_share.least) * bound.bound;
-}
-
 std::vector<std::string> Findings::refusals(bool cartesian) const {
   std::vector<std::string> all;
   if (!trouble.empty()) all.push_back(trouble);
@@ -192,12 +187,13 @@ control::DeviceFacts facts_of(const Findings& findings, const control::DeviceFac
   facts.encoder_step.setZero(dof);
   for (int i = 0; i < dof; ++i) {
     const JointFindings& joint = findings.joints[static_cast<std::size_t>(i)];
-    facts.damping(i, i) = findings.least(joint, joint.balance.damping);
-    facts.friction[i] = findings.least(joint, joint.balance.friction);
+    facts.damping(i, i) = joint.balance.damping.least();
+    facts.friction[i] = joint.balance.friction.least();
     facts.encoder_step[i] = joint.encoder_step;
   }
   facts.uncertainty.damping_share = facts.uncertainty.friction_share = 0;
   facts.uncertainty.torque_gain_share = findings.torque_gain_share();
+  facts.uncertainty.losses_with_gain = true;
   facts.latency_s = findings.latency.most_s;
   facts.uncertainty.latency_s = {findings.latency.least_s - findings.latency.most_s, 0};
   facts.releases = findings.releases;

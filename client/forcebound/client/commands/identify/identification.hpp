@@ -50,8 +50,6 @@ struct Findings {
   [[nodiscard]] bool complete() const noexcept;
   /// The gains of all motors as facts say it. That of a single one divides all energies alike, and so does not matter.
   [[nodiscard]] control::Bracket torque_gain_share() const noexcept;
-  /// What damping or friction is at the least, whatever the gain. 0 where refused.
-  [[nodiscard]] double least(const JointFindings& joint, const LowerBound& bound) const noexcept;
   /// Each refusal in a line: "friction of axis 2: ...".
   [[nodiscard]] std::vector<std::string> refusals(bool cartesian) const;
 };

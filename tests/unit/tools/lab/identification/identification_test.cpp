@@ -194,10 +194,11 @@ TEST_P(HiddenDevices, HaveNoBoundAboveTheTruthAndNoneFarBelow) {
   EXPECT_GE(facts.uncertainty.torque_gain_share.least, -0.1);
   EXPECT_LE(facts.uncertainty.torque_gain_share.most, 0.1);
   for (Eigen::Index i = 0; i < truth.damping.rows(); ++i) {
-    EXPECT_LE(facts.damping(i, i), truth.damping(i, i));
-    EXPECT_GE(facts.damping(i, i), 0.7 * truth.damping(i, i));
-    EXPECT_LE(facts.friction[i], truth.friction[i]);
-    EXPECT_GE(facts.friction[i], 0.7 * truth.friction[i]);
+    const double gain = device->motor_gain()[i];
+    EXPECT_LE(gain * facts.damping(i, i), truth.damping(i, i));
+    EXPECT_GE(gain * facts.damping(i, i), 0.75 * truth.damping(i, i));
+    EXPECT_LE(gain * facts.friction[i], truth.friction[i]);
+    EXPECT_GE(gain * facts.friction[i], 0.75 * truth.friction[i]);
     EXPECT_NEAR(facts.encoder_step[i] / truth.encoder_step[i], 1, 1e-9);
   }
   EXPECT_GE(facts.latency_s, truth.latency_s);
@@ -259,28 +260,28 @@ TEST(Identification, TellsMotorsApartByAKnownMass) {
     EXPECT_LE(1 + share.least, device->motor_gain()[i]);
     EXPECT_GE(1 + share.most, device->motor_gain()[i]);
     EXPECT_LE(share.most - share.least, 0.1);
-    EXPECT_LE(loaded.damping(i, i), 2);
-    EXPECT_LE(loaded.friction[i], 0.2);
+    EXPECT_LE(device->motor_gain()[i] * loaded.damping(i, i), 2);
+    EXPECT_LE(device->motor_gain()[i] * loaded.friction[i], 0.2);
+    EXPECT_TRUE(loaded.uncertainty.losses_with_gain);
     EXPECT_LE(loaded.uncertainty.torque_gain_share.least, share.least);
     EXPECT_GE(loaded.uncertainty.torque_gain_share.most, share.most);
   }
 }
 
 // Found are damping and friction as the motors' commands see them: motors that make less make both seem more.
-TEST(Identification, LowersBoundsByTheLeastGainThatTheDriverTells) {
+TEST(Identification, TellsLossesAsTheCommandsSeeThemWithTheGainThatTheDriverTells) {
   const HiddenDevice hidden = two_axes();
   const auto device = without_hand(hidden.description, hidden.flaws);
-  const control::DeviceFacts declared = declared_facts(hidden);
-  Guide guide(declared, {});
-  run_in_virtual_time(guide, *device, declared.period_s, 1, 600);
-  const Findings findings = evaluate(guide, declared, kConfidence);
+  const Findings findings = found(hidden, *device);
   ASSERT_TRUE(findings.complete()) << all(findings.refusals(true));
-  const control::DeviceFacts facts = facts_of(findings, declared);
+  const control::DeviceFacts facts = facts_of(findings, declared_facts(hidden));
   EXPECT_EQ(facts.uncertainty.torque_gain_share, (control::Bracket{-0.1, 0.1}));
+  EXPECT_TRUE(facts.uncertainty.losses_with_gain);
   for (Eigen::Index i = 0; i < 2; ++i) {
-    EXPECT_LE(facts.damping(i, i), 2);
-    EXPECT_LE(facts.friction[i], 0.2);
-    EXPECT_DOUBLE_EQ(facts.damping(i, i), 0.9 * findings.joints[static_cast<std::size_t>(i)].balance.damping.bound);
+    const double as_commanded = 2 / device->motor_gain()[i];
+    EXPECT_LE(facts.damping(i, i), as_commanded);
+    EXPECT_GE(facts.damping(i, i), 0.9 * as_commanded);
+    EXPECT_LE(facts.friction[i], 0.1 * as_commanded);
   }
 }
 
