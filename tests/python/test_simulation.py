@@ -1,7 +1,9 @@
 """forcebound.simulation: the loop in virtual time, with laws, environments and hands in Python."""
 
 import math
+import os
 import threading
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -72,6 +74,19 @@ def test_a_network_is_named_as_the_lab_names_it(tmp_path):
     np.testing.assert_array_equal(none.ticks["applied_N"], perfect.ticks["applied_N"])
     with pytest.raises(Exception, match="nowhere.csv"):
         simulate(0.1, network="trace:/nowhere.csv", **PRESS)
+
+
+def test_a_recorded_network_has_the_round_trips_that_were_recorded():
+    folder = os.environ.get("FORCEBOUND_DATA")
+    if not folder:
+        pytest.skip("FORCEBOUND_DATA does not say where the recorded networks are")
+    trace = Path(folder) / "network" / "5g-urban-n8.csv"
+    times_ms, round_trips_ms = np.loadtxt(trace, delimiter=",", skiprows=1).T
+    run = simulate(5, network=f"trace:{trace}", scene="sphere", device="omni", hand="trace-sphere")
+    then = round_trips_ms[times_ms - times_ms[0] <= 5000]
+    assert 1e3 * then.min() * 0.9 <= run.summary["rtt_us"]["p50"] <= 1e3 * then.max() * 1.1
+    assert run.summary["rtt_us"]["p50"] == pytest.approx(1e3 * np.median(then), rel=0.3)
+    assert run.summary["passivity"]["minimum_J"] >= 0
 
 
 def test_a_run_in_parts_is_the_same_run():
