@@ -36,8 +36,9 @@ constexpr std::int64_t kAsked_ns = 1'000'000'000;
 struct Call {
   const char* driver;
   const char* name;
+  const char* kind;
 };
-constinit thread_local Call current{nullptr, nullptr};
+constinit thread_local Call current{nullptr, nullptr, "driver"};
 
 /// One line, in a signal handler.
 class Line {
@@ -119,7 +120,7 @@ void say(int signal, const Call& call, bool of_driver) noexcept {
   const char* const what = signal == kExit ? nullptr : ::sigdescr_np(signal);
   Line& line = crashes.words;
   if (of_driver) {
-    line << "driver '" << (call.driver != nullptr ? call.driver : crashes.newest_driver.data()) << "' ";
+    line << call.kind << " '" << (call.driver != nullptr ? call.driver : crashes.newest_driver.data()) << "' ";
     line << (signal == kExit ? "ended the program by exit() in " : "crashed in ");
     line << (call.name != nullptr ? call.name : "a thread of its own");
   } else {
@@ -207,12 +208,12 @@ std::string_view crash_in_words() noexcept {
   return crashes.told ? crashes.words.text() : std::string_view{};
 }
 
-CallInProgress::CallInProgress(const char* driver, const char* call) noexcept
-    : driver_before_(current.driver), call_before_(current.name) {
-  current = {.driver = driver, .name = call};
+CallInProgress::CallInProgress(const char* driver, const char* call, const char* kind) noexcept
+    : driver_before_(current.driver), call_before_(current.name), kind_before_(current.kind) {
+  current = {.driver = driver, .name = call, .kind = kind};
 }
 
-CallInProgress::~CallInProgress() { current = {.driver = driver_before_, .name = call_before_}; }
+CallInProgress::~CallInProgress() { current = {.driver = driver_before_, .name = call_before_, .kind = kind_before_}; }
 
 ThreadsOfDriver::ThreadsOfDriver() noexcept {
   ::prctl(PR_GET_NAME, before_.data());

@@ -35,11 +35,11 @@ void catch_crashes();
 /// takes. Any thread.
 [[nodiscard]] std::string_view crash_in_words() noexcept;
 
-/// A call of a driver on this thread, while it lives. Real time.
+/// A call of a driver, or another plug-in, on this thread, while it lives. Real time.
 class CallInProgress {
  public:
-  /// Both texts must last. @param driver its name
-  CallInProgress(const char* driver, const char* call) noexcept;
+  /// The texts must last. @param driver its name @param kind of plug-in
+  CallInProgress(const char* driver, const char* call, const char* kind = "driver") noexcept;
   ~CallInProgress();
   CallInProgress(const CallInProgress&) = delete;
   CallInProgress& operator=(const CallInProgress&) = delete;
@@ -47,6 +47,7 @@ class CallInProgress {
  private:
   const char* driver_before_;
   const char* call_before_;
+  const char* kind_before_;
 };
 
 /// While it lives, threads that this thread begins are known as a driver's, also to who looks at the system's list.

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "forcebound/driver/forcebound_device.h"
+#include "forcebound/driver/shared_library.hpp"
 
 namespace forcebound::driver {
 
@@ -31,17 +32,13 @@ class DriverLibrary {
   /// @param name as it must call itself; one of a robot, which is found by its path, may have any
   /// @throws std::runtime_error in one line: what the file is not, which interface it has, or who else may write it
   DriverLibrary(const std::string& file, const std::string& name, DriverPurpose purpose = DriverPurpose::device);
-  ~DriverLibrary();
-  DriverLibrary(const DriverLibrary&) = delete;
-  DriverLibrary& operator=(const DriverLibrary&) = delete;
 
   /// Its functions. What a driver of an older interface lacks is null.
   [[nodiscard]] const forcebound_driver& functions() const noexcept { return functions_; }
-  [[nodiscard]] const std::string& file() const noexcept { return file_; }
+  [[nodiscard]] const std::string& file() const noexcept { return library_.file(); }
 
  private:
-  std::string file_;
-  void* library_;
+  SharedLibrary library_;
   forcebound_driver functions_{};
 };
 
