@@ -297,6 +297,25 @@ def test_other_threads_run_beside_a_loop():
     assert counted[0] > before
 
 
+def test_a_law_in_c_is_loaded_by_its_path_and_known_by_its_name_then():
+    folder = os.environ.get("FORCEBOUND_TEST_LAWS")
+    if not folder:
+        pytest.skip("FORCEBOUND_TEST_LAWS does not say where the laws in C are")
+    library = Path(folder) / "forcebound-law-saver.so"
+    settings = dict(network="delay 10ms", **PRESS)
+    saver = simulate(2, law=library, **settings).summary
+    paper = simulate(2, law="fba-less", **settings).summary
+    assert saver["law"] == "saver"
+    shown = "displayed_stiffness_N_per_m"
+    assert saver[shown]["mean"] == pytest.approx(paper[shown]["mean"], rel=1e-9)
+    tenth = simulate(2, law="saver", law_parameters={"share": 0.1}, **settings).summary
+    assert tenth[shown]["mean"] < 0.7 * saver[shown]["mean"]
+    with pytest.raises(ValueError, match="forcebound-law-newer.so: has interface 99, this program has 1"):
+        simulate(1, law=f"{folder}/forcebound-law-newer.so", **PRESS)
+    with pytest.raises(ValueError, match="law ./nowhere.so: cannot be loaded: there is no such file"):
+        simulate(1, law="./nowhere.so", **PRESS)
+
+
 def test_settings_that_cannot_be_are_refused_with_what_would_be_accepted():
     with pytest.raises(ValueError, match="unknown law 'fba'.*known: none"):
         ClosedLoop(law="fba", **PRESS)

@@ -37,7 +37,7 @@ class Client:
     scene        asked for; empty: the server's own
     device       name, TOML file or Device; simulated
     hand         the simulated hand, as `devices.hands()` explains
-    law          name or class of `laws`; `memory` and `law_parameters` as in `simulation`
+    law          name, library of forcebound_law.h or class of `laws`; `memory` and `law_parameters` as in `simulation`
     rendering    "local": what can be, at the client; "remote", and with a law that has a server-side law always: forces
                  are computed at the server
     duration_s   until it ends by itself; 0: when stopped
@@ -57,7 +57,7 @@ class Client:
         scene: str = "",
         device: str | os.PathLike | Device = "wall-1dof",
         hand: str = "press",
-        law: str | type[Law] = "fba-exact",
+        law: str | os.PathLike | type[Law] = "fba-exact",
         memory: str = "capped",
         law_parameters: Mapping[str, float] | None = None,
         rendering: str = "local",
@@ -89,7 +89,7 @@ class Client:
             scene=scene,
             device=device,
             hand=hand,
-            law=law,
+            law=os.fspath(law),
             memory=memory,
             parameters=dict(law_parameters or {}),
             renders_locally=rendering == "local",

@@ -69,7 +69,7 @@ class ClosedLoop:
                  depth_m); or the name of a hostile one
     device       name, TOML file or Device
     hand         the simulated hand, as `devices.hands()` explains: "press:to_m=0.01"; an OwnHand, or the target of one
-    law          name, class of `laws`, or an OwnLaw
+    law          name, library of forcebound_law.h, class of `laws`, or an OwnLaw
     memory, law_parameters    of a law that is not an OwnLaw: "capped" or "full"; numbers by name
     network      both ways, as forcebound-lab has it: netem's words, "none", or "trace:FILE" for recorded round trips;
                  `up` and `down` are netem's words for one way
@@ -92,7 +92,7 @@ class ClosedLoop:
         environment: Environment | str | None = None,
         device: str | os.PathLike | Device = "wall-1dof",
         hand: str | OwnHand | HandTarget = "press",
-        law: str | type[Law] | OwnLaw = "fba-exact",
+        law: str | os.PathLike | type[Law] | OwnLaw = "fba-exact",
         memory: str = "capped",
         law_parameters: Mapping[str, float] | None = None,
         network: str = "",
@@ -212,6 +212,8 @@ def _law_settings(law: Any, memory: str, parameters: Mapping[str, float] | None)
         return {"law": law.name, "own_law": law}
     if isinstance(law, type) and issubclass(law, Law):
         law = law.info.name
+    if isinstance(law, os.PathLike):
+        law = os.fspath(law)
     if not isinstance(law, str):
         raise TypeError(f"law: expected a name, a class of forcebound.laws or an OwnLaw, got {type(law).__name__}")
     return {"law": law, "memory": memory, "parameters": dict(parameters or {})}

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "forcebound/law_plugin/known_laws.hpp"
 #include "python/native/bindings.hpp"
 #include "python/native/fields.hpp"
 #include "python/native/law_choice.hpp"
@@ -64,6 +65,7 @@ std::unique_ptr<LiveClient> make_client(const py::kwargs& named) {
   set_fields(asked, named, client_settings(), "Client");
   LiveClient::Settings& settings = asked.settings;
   if (settings.device.facts.joints() == 0) throw py::type_error("Client: expected a device");
+  settings.client.law = law_plugin::law_named(settings.client.law);
   settings.law_options = law_options(asked.memory, asked.parameters);
   settings.client.program = "Python, forcebound " FORCEBOUND_VERSION;
   const py::gil_scoped_release others_run;  // it resolves the server's name

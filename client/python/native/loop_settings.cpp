@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "forcebound/baselines/baselines.hpp"
+#include "forcebound/law_plugin/known_laws.hpp"
 #include "forcebound/text/numbers.hpp"
 #include "python/native/bindings.hpp"
 #include "python/native/closed_loop.hpp"
@@ -111,12 +111,13 @@ std::unique_ptr<PythonLoop> make_loop(const py::kwargs& named) {
   }
   if (asked.parts.own_law) {
     asked.parts.own_law->name = settings.law;
-    auto laws = std::make_shared<control::LawRegistry>(baselines::shipped_laws());
+    auto laws = std::make_shared<control::LawRegistry>(law_plugin::known_laws());
     add_own_law(*laws, asked.parts.own_law);
     settings.laws = std::move(laws);
   } else {
+    settings.law = law_plugin::law_named(settings.law);
     settings.law_options = law_options(asked.memory, asked.parameters);
-    if (settings.renders_locally && baselines::shipped_laws().find(settings.law).make_server_side) {
+    if (settings.renders_locally && law_plugin::known_laws().find(settings.law).make_server_side) {
       throw py::value_error("rendering 'local': all forces go through the server-side law of '" + settings.law +
                             "'; accepted is 'remote'");
     }

@@ -60,6 +60,18 @@ CLI::Validator not_empty() {
   return {[](const std::string& value) -> std::string { return value.empty() ? "must not be empty" : ""; }, ""};
 }
 
+CLI::Validator replaced_by(std::function<std::string(const std::string&)> parser) {
+  return {[parser = std::move(parser)](std::string& value) -> std::string {
+            try {
+              value = parser(value);
+              return {};
+            } catch (const std::invalid_argument& error) {
+              return error.what();
+            }
+          },
+          ""};
+}
+
 CLI::Validator accepted_by(std::function<void(const std::string&)> parser) {
   return {[parser = std::move(parser)](const std::string& value) -> std::string {
             try {

@@ -26,5 +26,7 @@ CLI::Validator whole_within(std::uint64_t least, std::uint64_t most = std::numer
 CLI::Validator not_empty();
 /// What a parser accepts, which otherwise throws std::invalid_argument.
 CLI::Validator accepted_by(std::function<void(const std::string&)> parser);
+/// Likewise; what the parser returns becomes the value. For CLI::Option::transform.
+CLI::Validator replaced_by(std::function<std::string(const std::string&)> parser);
 
 }  // namespace forcebound::program

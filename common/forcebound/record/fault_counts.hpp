@@ -21,6 +21,8 @@
         "releases that the device reports when its file does not allow them: the worst case is charged")               \
   COUNT(withdrawn_forces, "force commanded too long after the reading, and made zero",                                 \
         "forces commanded too long after the reading, and made zero")                                                  \
+  COUNT(law_faults, "force that the law failed to give, or gave as no finite number: made zero",                       \
+        "forces that the law failed to give, or gave as no finite number: made zero")                                  \
   COUNT(impossible_intervals, "tick whose clock stood still or ran back: nothing credited",                            \
         "ticks whose clock stood still or ran back: nothing credited")                                                 \
   COUNT(held_too_long, "tick beyond the hold time of a device that cannot let go: not passive",                        \

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "forcebound/baselines/baselines.hpp"
+#include "forcebound/law_plugin/known_laws.hpp"
 #include "forcebound/program/command_line.hpp"
 #include "forcebound/program/output_options.hpp"
 #include "forcebound/program/progress.hpp"
@@ -61,7 +61,7 @@ ComparisonSettings settings_of(const CompareOptions& options) {
                               .effort = options.effort,
                               .seed = options.seed,
                               .renders_locally = options.renders_locally};
-  if (settings.laws.empty()) settings.laws = baselines::shipped_laws().names();
+  if (settings.laws.empty()) settings.laws = law_plugin::known_laws().names();
   for (const std::string& scene : options.scenes) settings.tasks.push_back(task_of(scene, options.device));
   for (const std::string& words : options.networks) settings.networks.push_back(network_of(words));
   if (settings.networks.empty()) {
@@ -134,12 +134,12 @@ void add_compare(CLI::App& app) {
   auto options = std::make_shared<CompareOptions>();
   CLI::App* command = app.add_subcommand(
       "compare", "Compare the laws: the same device, hand, scene and network for each, with its best parameters");
-  command->footer("Laws:\n" + baselines::shipped_laws().help() +
+  command->footer("Laws:\n" + law_plugin::known_laws().help() +
                   "\nExample:\n  forcebound-lab compare --laws fba-less,tdpa --scenes wall --network none \\\n"
                   "    --network \"delay 20ms loss 5%\"");
   command->add_option("--laws", options->laws, "laws to compare; default: all")
       ->delimiter(',')
-      ->check(known_law())
+      ->transform(known_law())
       ->type_name("LAW,LAW,...");
   command->add_option("--scenes", options->scenes, "scenes of the paper: wall, circle, sphere")
       ->delimiter(',')

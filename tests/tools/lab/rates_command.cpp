@@ -103,7 +103,7 @@ void add_rates(CLI::App& app) {
       ->delimiter(',')
       ->capture_default_str();
   command->add_option("--laws", options->settings.laws, "laws to compare")
-      ->check(known_law())
+      ->transform(known_law())
       ->type_name("LAWS")
       ->delimiter(',')
       ->capture_default_str();

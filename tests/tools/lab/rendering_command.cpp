@@ -181,7 +181,7 @@ void add_rendering(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "rendering", "Displayed stiffness and error of scenes, rendered at the server and at the client");
   command->add_option("--law", options->settings.law, "law that bounds the force")
-      ->check(known_law())
+      ->transform(known_law())
       ->type_name("LAW")
       ->capture_default_str();
   command->add_option("--seeds", options->settings.seeds, "runs for each scene and condition")

@@ -125,7 +125,7 @@ void add_study(CLI::App& command, TeleoperateOptions& options) {
       ->type_name("NAMES")
       ->delimiter(',');
   command.add_option("--laws", study.laws, "laws, each at both ends")
-      ->check(known_law())
+      ->transform(known_law())
       ->type_name("LAWS")
       ->delimiter(',')
       ->capture_default_str();

@@ -4,10 +4,10 @@
 #include <random>
 #include <utility>
 
-#include "forcebound/baselines/baselines.hpp"
 #include "forcebound/baselines/law_file.hpp"
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/device/simulated/make_operator.hpp"
+#include "forcebound/law_plugin/known_laws.hpp"
 #include "forcebound/server/environment/explain.hpp"
 #include "forcebound/server/environment/scene_environment.hpp"
 #include "tests/tools/sim/building_time.hpp"
@@ -22,7 +22,7 @@ constexpr Nanoseconds kClosing = 30s;  // virtual time
 
 /// With the laws, and with local rendering only where the law allows it, as a client has it.
 ClosedLoop::Settings completed(ClosedLoop::Settings settings) {
-  if (!settings.laws) settings.laws = std::make_shared<const control::LawRegistry>(baselines::shipped_laws());
+  if (!settings.laws) settings.laws = std::make_shared<const control::LawRegistry>(law_plugin::known_laws());
   if (settings.laws->find(settings.law).make_server_side) settings.renders_locally = false;
   return settings;
 }

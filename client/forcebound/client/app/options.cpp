@@ -6,7 +6,6 @@
 #include <string_view>
 #include <vector>
 
-#include "forcebound/baselines/baselines.hpp"
 #include "forcebound/client/app/identity_options.hpp"
 #include "forcebound/client/app/known_devices.hpp"
 #include "forcebound/client/page/known_scenes.hpp"
@@ -15,6 +14,7 @@
 #include "forcebound/device/load_device.hpp"
 #include "forcebound/device/simulated/make_operator.hpp"
 #include "forcebound/device/tick_rate.hpp"
+#include "forcebound/law_plugin/known_laws.hpp"
 #include "forcebound/net/endpoint.hpp"
 #include "forcebound/program/command_line.hpp"
 #include "forcebound/program/log.hpp"
@@ -66,7 +66,7 @@ struct Typed {
 };
 
 /// Who feels what, and what bounds it.
-void add_device_and_law(CLI::App& app, Options& options, Typed& typed, const control::LawRegistry& laws) {
+void add_device_and_law(CLI::App& app, Options& options, Typed& typed) {
   app.add_option("--scene", options.client.scene, "scene to request; default: the server's")->type_name("NAME");
   app.add_option("--device", options.device.device, "device to read, see below")->type_name("NAME|FILE.toml|DRIVER");
   app.add_option("--operator", options.device.hand, "hand on a simulated device, see below")->type_name("SPEC");
@@ -76,7 +76,7 @@ void add_device_and_law(CLI::App& app, Options& options, Typed& typed, const con
       ->check(program::number_within(device::kTickRateLeast_Hz, device::kTickRateMost_Hz))
       ->type_name("HZ");
   app.add_option("--law", options.client.law, "law that bounds the force, see below")
-      ->check(program::one_of("law", laws.names()))
+      ->transform(program::replaced_by(law_plugin::law_of_option))
       ->type_name("LAW")
       ->capture_default_str();
   app.add_option("--law-parameters", options.law_parameters, "a table for each law: [vc], coupling_N_per_m = 40000")
@@ -84,7 +84,7 @@ void add_device_and_law(CLI::App& app, Options& options, Typed& typed, const con
       ->type_name("FILE.toml");
   app.add_option("--law-help", options.law_help,
                  "explain this law, its parameters and their values for --device, and end")
-      ->check(program::one_of("law", laws.names()))
+      ->transform(program::replaced_by(law_plugin::law_of_option))
       ->type_name("LAW");
   app.add_option("--memory", typed.memory,
                  "energy that fba-exact may store: as much as the largest force can need, or all")
@@ -147,7 +147,7 @@ const CLI::Option* describe(CLI::App& app, Options& options, Typed& typed, const
   app.add_flag("--insecure", options.client.insecure,
                "do not encrypt, although the server is on another machine: anybody on the way can read, change and "
                "forge");
-  add_device_and_law(app, options, typed, laws);
+  add_device_and_law(app, options, typed);
   app.add_option("--duration", options.client.duration_s, "length of the run; 0: until interrupted")
       ->check(program::number_within(0))
       ->capture_default_str()
@@ -225,7 +225,7 @@ Options parse_options(int argc, const char* const* argv) {
   options.client.scene_cache = default_scene_cache();
   Typed typed{.hold_ms = time::to_seconds(options.client.policy.hold) * 1e3,
               .drop_ms = time::to_seconds(options.client.policy.drop) * 1e3};
-  const control::LawRegistry laws = baselines::shipped_laws();
+  const control::LawRegistry laws = law_plugin::known_laws();
   const device::DeviceRegistry devices = known_devices();
   CLI::App app;
   const CLI::Option* const seed = describe(app, options, typed, laws, devices);
@@ -242,7 +242,7 @@ Options parse_options(int argc, const char* const* argv) {
   program::value_of("--hold, --drop", [&] { options.client.policy.validate(); });
   options.client.renders_locally = typed.rendering == "local";
   if (app.count("--rendering") > 0 && options.client.renders_locally) {
-    expect_rendering_of_law(laws, options.client.law);
+    expect_rendering_of_law(law_plugin::known_laws(), options.client.law);
   }
   if (options.client.scene_cache == "none") options.client.scene_cache.clear();
   options.client.send_rate = program::value_of("--send-rate", [&] { return parse_send_rate(typed.send_rate); });

@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <string>
 
-#include "forcebound/baselines/baselines.hpp"
 #include "forcebound/baselines/law_file.hpp"
 #include "forcebound/client/app/device_in_words.hpp"
 #include "forcebound/client/app/known_devices.hpp"
@@ -18,6 +17,7 @@
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/device/device_registry.hpp"
 #include "forcebound/device/tick_rate.hpp"
+#include "forcebound/law_plugin/known_laws.hpp"
 #include "forcebound/program/command_line.hpp"
 #include "forcebound/record/summary.hpp"
 #include "forcebound/text/file.hpp"
@@ -26,7 +26,7 @@
 
 namespace forcebound::client {
 int run(const Options& options, const std::atomic<bool>& stop) {
-  const control::LawRegistry laws = baselines::shipped_laws();
+  const control::LawRegistry laws = law_plugin::known_laws();
   const device::DeviceRegistry devices = known_devices();
   if (!options.law_help.empty()) {
     const control::DeviceFacts own = devices.facts(options.device.device);

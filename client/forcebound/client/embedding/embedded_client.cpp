@@ -3,15 +3,15 @@
 #include <stdexcept>
 #include <utility>
 
-#include "forcebound/baselines/baselines.hpp"
 #include "forcebound/baselines/law_file.hpp"
 #include "forcebound/client/runtime/event_queue.hpp"
+#include "forcebound/law_plugin/known_laws.hpp"
 
 namespace forcebound::client {
 namespace {
 
 Client::Settings described(const EmbeddedClient::Settings& settings, const control::DeviceFacts& facts) {
-  const control::LawRegistry laws = baselines::shipped_laws();
+  const control::LawRegistry laws = law_plugin::known_laws();
   Client::Settings client = settings.client;
   client.law_parameters = baselines::describe(laws.parameters(client.law, facts, settings.law_options.parameters));
   client.guarantee = laws.guarantee(client.law);
@@ -24,7 +24,7 @@ EmbeddedClient::EmbeddedClient(const Settings& settings, device::HapticDevice& d
                                const std::vector<record::TickSink*>& sinks, Reports reports)
     : reports_(std::move(reports)),
       client_(described(settings, device.facts()), device,
-              baselines::shipped_laws().make(settings.client.law, device.facts(), settings.law_options), sinks) {}
+              law_plugin::known_laws().make(settings.client.law, device.facts(), settings.law_options), sinks) {}
 
 void EmbeddedClient::look() {
   Event event;

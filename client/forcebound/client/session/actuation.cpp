@@ -146,6 +146,7 @@ void Actuation::add_to(record::RunTotals& totals) const {
   totals.non_finite_requests = law.requests_not_finite;
   totals.impossible_intervals = law.intervals_impossible;
   totals.withdrawn_forces = law.withdrawn;
+  totals.law_faults = law.forces_not_finite;
   totals.readings_too_far = law.readings_too_far;
   totals.failed_writes = law.writes_failed;
   totals.effects_outside_facts = law.effects_outside_facts;

@@ -57,6 +57,7 @@ DeviceRun run_device(sim::ClosedLoop::Settings settings, double duration_s, std:
         static_cast<double>(counters.motions_superseded) / static_cast<double>(counters.motions_received);
   }
   recorder.run.summary = nlohmann::json::parse(loop.summary().to_json());
+  recorder.run.law_faults = loop.session().totals().law_faults;
   if (const auto audit = loop.device().audit()) recorder.run.passivity_minimum_J = audit->minimum_J;
   return std::move(recorder.run);
 }

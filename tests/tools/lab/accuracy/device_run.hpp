@@ -14,6 +14,7 @@ struct DeviceRun {
   std::vector<DeviceTick> ticks{};       ///< `reference` and `own` not yet filled in
   std::vector<Vector> true_positions{};  ///< of the tip, at each tick's reading [m]
   double passivity_minimum_J = 0;        ///< P of the audit
+  std::uint64_t law_faults = 0;          ///< ticks without a force of the law's, or one that is not finite
   double turns_missed = 0;               ///< share of the motions that the server skipped
   nlohmann::json summary{};              ///< as the client writes it, of ticks and forces
 };

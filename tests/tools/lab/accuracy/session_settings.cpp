@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "forcebound/baselines/baselines.hpp"
 #include "forcebound/control/law_registry.hpp"
+#include "forcebound/law_plugin/known_laws.hpp"
 #include "forcebound/text/names.hpp"
 #include "forcebound/text/numbers.hpp"
 
@@ -22,12 +22,6 @@ bool renders_locally(const std::string& name) {
   if (name == known.front()) return true;
   if (name == known.back()) return false;
   throw std::invalid_argument("unknown rendering '" + name + "'" + text::suggestion(name, known));
-}
-
-std::string law_named(const std::string& name) {
-  const std::vector<std::string> known = baselines::shipped_laws().names();
-  if (std::ranges::find(known, name) != known.end()) return name;
-  throw std::invalid_argument("unknown law '" + name + "'" + text::suggestion(name, known));
 }
 
 enum class Least : std::uint8_t { zero, above_zero };
@@ -56,7 +50,7 @@ bool is_session_key(std::string_view key) { return std::ranges::find(session_key
 
 SessionSettings with_session_key(SessionSettings session, const std::string& key, const std::string& value) {
   if (key == "law") {
-    session.law = law_named(unquoted(value));
+    session.law = law_plugin::law_named(unquoted(value));
   } else if (key == "hold_ms") {
     session.policy.hold = milliseconds_of(key, value);
   } else if (key == "drop_ms") {

@@ -6,9 +6,8 @@
 #include <numbers>
 
 #include "forcebound/control/classic_text.hpp"
+#include "forcebound/law_plugin/known_laws.hpp"
 #include "tests/tools/lab/trials/percentile.hpp"
-
-#include "forcebound/baselines/baselines.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -109,22 +108,26 @@ Json standing(const ComparisonResult& result, const LawInComparison& law) {
     }
     stable.push_back(std::move(hands));
   }
-  const control::LawRegistry laws = baselines::shipped_laws();
-  return {{"law", law.law},
-          {"reference", laws.find(law.law).reference},
-          {"refused", refusals(law)},
-          {"trials", real.size()},
-          {"ideal", {{"least_P_J", worst_J(ideal)}, {"passive", std::ranges::count_if(ideal, passive)}}},
-          {"real", {{"least_P_J", worst_J(real)}, {"passive", std::ranges::count_if(real, passive)}}},
-          {"calm", calm_share(real)},
-          {"variance_N2", median(real, variance)},
-          {"ringing_s", median(real, ringing_s)},
-          {"direction_deg", most(real, direction_deg)},
-          {"drift_mm", most(real, drift_mm)},
-          {"work_ns", std::isfinite(law.work_ns) ? Json(law.work_ns) : Json()},
-          {"behind", std::move(networks)},
-          {"stable", std::move(stable)},
-          {"tuned", tuned(law)}};
+  const control::LawRegistry laws = law_plugin::known_laws();
+  Json told{{"law", law.law},
+            {"reference", laws.find(law.law).reference},
+            {"refused", refusals(law)},
+            {"trials", real.size()},
+            {"ideal", {{"least_P_J", worst_J(ideal)}, {"passive", std::ranges::count_if(ideal, passive)}}},
+            {"real", {{"least_P_J", worst_J(real)}, {"passive", std::ranges::count_if(real, passive)}}},
+            {"calm", calm_share(real)},
+            {"variance_N2", median(real, variance)},
+            {"ringing_s", median(real, ringing_s)},
+            {"direction_deg", most(real, direction_deg)},
+            {"drift_mm", most(real, drift_mm)},
+            {"work_ns", std::isfinite(law.work_ns) ? Json(law.work_ns) : Json()},
+            {"behind", std::move(networks)},
+            {"stable", std::move(stable)},
+            {"tuned", tuned(law)}};
+  std::uint64_t faults = 0;
+  for (const TrialRun& trial_run : law.trials) faults += trial_run.trial.law_faults;
+  if (faults > 0) told["law_faults"] = faults;
+  return told;
 }
 
 void add_cell(std::ostream& row, double value) {

@@ -158,6 +158,18 @@ std::string tuning_table(const Json& all) {
   return any ? table : "";
 }
 
+/// Of laws whose ticks failed: their other figures are those of a law without force there.
+std::string faults_text(const Json& all) {
+  std::string text;
+  for (const Json& law : all.at("laws")) {
+    if (!law.contains("law_faults")) continue;
+    text += text::wrapped(law_name(law) + " gave no force, or none that is finite, on " +
+                              number_text(law["law_faults"]) + " ticks: zero force instead",
+                          2);
+  }
+  return text.empty() ? text : "\n" + text;
+}
+
 }  // namespace
 
 std::string to_text(const Json& all) {
@@ -181,7 +193,7 @@ std::string to_text(const Json& all) {
         limits_table(all, "", "").to_text();
   }
   const std::string tuning = tuning_table(all);
-  return text + (tuning.empty() ? "" : "\n" + tuning);
+  return text + (tuning.empty() ? "" : "\n" + tuning) + faults_text(all);
 }
 
 namespace {

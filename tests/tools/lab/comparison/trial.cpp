@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "forcebound/baselines/baselines.hpp"
 #include "forcebound/control/damping.hpp"
 #include "forcebound/control/force_bounder.hpp"
+#include "forcebound/law_plugin/known_laws.hpp"
 #include "forcebound/record/running_statistics.hpp"
 #include "tests/tools/lab/accuracy/device_run.hpp"
 #include "tests/tools/lab/accuracy/reference_model.hpp"
@@ -83,7 +83,7 @@ double number(const nlohmann::json& summary, const char* path) {
 Trial run_trial(const TrialSetup& setup) {
   Trial trial;
   sim::ClosedLoop::Settings settings = settings_of(setup);
-  trial.refused = baselines::shipped_laws().refusal(setup.law, settings.device.facts, settings.law_options);
+  trial.refused = law_plugin::known_laws().refusal(setup.law, settings.device.facts, settings.law_options);
   if (!trial.refused.empty()) return trial;
   RingingMeter ringing;
   DirectionMeter direction;
@@ -105,6 +105,7 @@ Trial run_trial(const TrialSetup& setup) {
   trial.restlessness = rest.restlessness();
   trial.error = device_error(run.ticks).total;
   trial.direction_error_rad = direction.error_rad_max();
+  trial.law_faults = run.law_faults;
   trial.drift_m = drift.most_m;
   return trial;
 }
@@ -112,7 +113,7 @@ Trial run_trial(const TrialSetup& setup) {
 double work_ns(const TrialSetup& setup, const time::Clock& clock) {
   sim::ClosedLoop::Settings settings = settings_of(setup);
   const control::DeviceFacts facts = settings.device.facts;
-  const control::LawRegistry laws = baselines::shipped_laws();
+  const control::LawRegistry laws = law_plugin::known_laws();
   if (!facts.cartesian || laws.find(setup.law).make_server_side) return std::nan("");
   auto law = laws.make(setup.law, facts, settings.law_options);
   const auto damping = control::Damping::from_matrix(facts.damping);

@@ -23,6 +23,7 @@ struct Trial {
   double restlessness = std::nan("");  ///< deviation of the force's magnitude over its mean, once contact has settled
   double error = std::nan("");         ///< E_dev against the scene at the device's true position, at this moment
   double direction_error_rad = 0;      ///< largest angle between the applied and the requested force
+  std::uint64_t law_faults = 0;        ///< ticks without a force of the law's, or one that is not finite
   double drift_m = 0;  ///< largest distance between the device and the position at which the environment was asked
 };
 

@@ -7,7 +7,7 @@
 
 #include "tests/tools/sim/draw.hpp"
 
-#include "forcebound/baselines/baselines.hpp"
+#include "forcebound/law_plugin/known_laws.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -55,7 +55,7 @@ double score(const Trial& trial) {
 }
 
 Tuning tune(const std::string& law, std::span<const TrialSetup> setups, int effort, std::uint64_t seed) {
-  const control::LawRegistry laws = baselines::shipped_laws();
+  const control::LawRegistry laws = law_plugin::known_laws();
   const control::LawDescription& description = laws.find(law);
   const control::DeviceFacts facts = settings_of(setups.front()).device.facts;
   Tuning tuning{.standard = laws.parameters(law, facts)};

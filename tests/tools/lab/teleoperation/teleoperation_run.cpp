@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "forcebound/baselines/baselines.hpp"
 #include "forcebound/control/translation.hpp"
+#include "forcebound/law_plugin/known_laws.hpp"
 #include "forcebound/server/follower/follower_environment.hpp"
 #include "tests/tools/lab/teleoperation/last_tick.hpp"
 
@@ -131,7 +131,7 @@ TeleoperationMeasures run_teleoperation(const TeleoperationSetup& setup, std::ve
   const server::TaskRobot& at_work = *robot;
   server::FollowerSettings settings = setup.follower;
   settings.law = setup.law;
-  const control::LawRegistry laws = baselines::shipped_laws();
+  const control::LawRegistry laws = law_plugin::known_laws();
   const auto follower = std::make_shared<server::Follower>(std::move(robot), settings, laws, clock);
   const auto runner = std::make_shared<server::StepwiseRunner>(follower, Nanoseconds{0});
 

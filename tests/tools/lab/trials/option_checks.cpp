@@ -5,9 +5,9 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include "forcebound/baselines/baselines.hpp"
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/device/load_device.hpp"
+#include "forcebound/law_plugin/known_laws.hpp"
 #include "forcebound/program/command_line.hpp"
 #include "forcebound/scene/scene.hpp"
 #include "forcebound/server/environment/scene_library.hpp"
@@ -15,7 +15,7 @@
 
 namespace forcebound::lab {
 
-CLI::Validator known_law() { return program::one_of("law", baselines::shipped_laws().names()); }
+CLI::Validator known_law() { return program::replaced_by(law_plugin::law_of_option); }
 
 CLI::Validator known_device() {
   return program::accepted_by([](const std::string& device) {

@@ -16,7 +16,7 @@ class Scene;
 /// Options that several commands of the lab have, and their checks.
 namespace forcebound::lab {
 
-/// A law that ships.
+/// A law that ships, or the file of one, in place of which comes its name: for CLI::Option::transform.
 CLI::Validator known_law();
 /// A device that ships, or a file.
 CLI::Validator known_device();

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "forcebound/device/load_device.hpp"
+#include "forcebound/law_plugin/known_laws.hpp"
 #include "forcebound/results/summary_cells.hpp"
 #include "forcebound/server/environment/scene_library.hpp"
 #include "forcebound/text/table.hpp"
@@ -114,7 +115,7 @@ std::vector<PlayedTrial> play_trials(const TrialsSettings& settings, results::La
                                      const std::function<void(double)>& progress) {
   const std::shared_ptr<const scene::Scene> scene = server::load_scene(settings.scene);
   const NamedNetwork network = network_of(settings.network);
-  const auto laws = baselines::shipped_laws();
+  const auto laws = law_plugin::known_laws();
   const std::vector<PlayedCase> cases = cases_of(settings);
   const std::vector<record::TickSink*> curves = curves_of(settings, cases, figure);
   std::vector<PlayedTrial> trials;

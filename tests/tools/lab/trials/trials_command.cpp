@@ -113,7 +113,7 @@ void add_trials(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--laws", settings.laws, "laws to run, each alone")
       ->delimiter(',')
-      ->check(known_law())
+      ->transform(known_law())
       ->type_name("LAW,LAW,...")
       ->default_str("fba-exact,none");
   command

@@ -7,15 +7,15 @@
 #include <string>
 #include <vector>
 
-#include "forcebound/baselines/baselines.hpp"
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/device/simulated/likely_units.hpp"
+#include "forcebound/law_plugin/known_laws.hpp"
 
 namespace forcebound::client::commands {
 
 /// `forcebound replay`: a law over recorded rows, or over rows that a simulator in any language sends as it goes.
 struct ReplayOptions {
-  control::LawRegistry laws = baselines::shipped_laws();
+  control::LawRegistry laws = law_plugin::known_laws();
   std::string law;
   std::vector<double> damping_N_s_per_m;                           ///< one per axis, or one for all
   std::optional<std::vector<std::vector<double>>> damping_matrix;  ///< replaces it, if given

@@ -10,11 +10,11 @@
 #include <system_error>
 #include <vector>
 
-#include "forcebound/baselines/baselines.hpp"
 #include "forcebound/baselines/law_file.hpp"
 #include "forcebound/client/commands/replay/csv_reader.hpp"
 #include "forcebound/client/commands/replay/replay.hpp"
 #include "forcebound/control/law_registry.hpp"
+#include "forcebound/law_plugin/known_laws.hpp"
 #include "forcebound/program/command_line.hpp"
 #include "forcebound/text/file.hpp"
 #include "forcebound/text/lines.hpp"
@@ -50,6 +50,7 @@ std::vector<double> numbers_of(const std::string& option, std::string_view text)
 
 ReplayOptions options_of(const ReplayArguments& arguments) {
   ReplayOptions options = arguments.options;
+  options.laws = law_plugin::known_laws();
   options.damping_N_s_per_m = numbers_of("--damping", arguments.damping);
   options.encoder_step_m = numbers_of("--encoder", arguments.encoder);
   options.friction_N = numbers_of("--friction", arguments.friction);
@@ -122,14 +123,14 @@ void add_replay(CLI::App& program) {
       "With --input - each row is answered as it comes, so that a simulator can close the loop through a pipe.\n"
       "\n"
       "Laws:\n" +
-      baselines::shipped_laws().help() +
+      law_plugin::known_laws().help() +
       "\nExample:\n"
       "  forcebound replay --law fba-more --damping 30 --period 1e-3 \\\n"
       "    --input press.csv --output bounded.csv");
   command->add_option("--law", options.law, "law to run, see below")
       ->required()
       ->type_name("LAW")
-      ->check(program::one_of("law", baselines::shipped_laws().names()));
+      ->transform(program::replaced_by(law_plugin::law_of_option));
   command
       ->add_option("--law-parameters", arguments->law_parameters,
                    "a table for each law: [vc], coupling_N_per_m = 40000")
