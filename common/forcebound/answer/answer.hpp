@@ -24,9 +24,9 @@ struct Answer {
   Vector texture_across{};               ///< k_2, of ripples in both directions
   Vector server_parts_N{};               ///< of `force`, that of the parts that are not handed over; no rows: zero
   bool texture_in_server_parts = false;  ///< the surface with the ripples is one of those
-  /// Of `force`, that of effects that drive the device without end; no rows: there are none. Not sent: it is for
-  /// a client that runs the scene itself.
-  Vector driving_N{};
+  /// Of `force`, that of effects that fade without a server; no rows: there are none. Not sent: it is for a client that
+  /// runs the scene itself.
+  Vector fading_N{};
   /// What of `server_parts_N` (where there is none, of `force`) a client can render itself until the next answer; may
   /// be empty. Unsound, it is not used, and its forces are held: local_model::is_sound.
   local_model::LocalModel model{};

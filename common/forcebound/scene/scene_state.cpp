@@ -59,7 +59,7 @@ Answer SceneState::answer(const Vector& position, Nanoseconds device_time, Nanos
 
   Point total_N = Point::Zero();
   Point server_parts_N = Point::Zero();
-  Point driving_N = Point::Zero();
+  Point fading_N = Point::Zero();
   Answer answer;
   answer.model.by_device_clock = wants_model && !shares_dynamic_models_;
   quarantined_.clear();
@@ -74,7 +74,7 @@ Answer SceneState::answer(const Vector& position, Nanoseconds device_time, Nanos
     if (add(reaction, surface, total_N, answer)) {
       const bool in_server_parts = scene_->rendering_of_part(steps_[i]).how != Rendering::at_client;
       if (in_server_parts) server_parts_N += reaction.force_N;
-      driving_N += reaction.driving_N;
+      fading_N += reaction.fading_N;
       if (answer.penetration_m > deepest_m)
         answer.texture_in_server_parts = in_server_parts && reaction.texture.amplitude_N > 0;
       continue;
@@ -108,7 +108,7 @@ Answer SceneState::answer(const Vector& position, Nanoseconds device_time, Nanos
   answer.force = in_device_rows(total_N);
   const Vector server_parts = in_device_rows(server_parts_N);
   if (!server_parts.isZero(0)) answer.server_parts_N = server_parts;
-  if (plan.fades_without_server()) answer.driving_N = in_device_rows(driving_N);
+  if (plan.fades_without_server()) answer.fading_N = in_device_rows(fading_N);
   return answer;
 }
 
@@ -242,7 +242,7 @@ void SceneState::run(std::uint32_t begin, std::uint32_t end, const Probe& probe,
     const PlannedEffect& planned = scene_->plan().effects()[i];
     const Point others_N = reaction.force_N;
     planned.effect->act(probe, bytes_.data() + planned.state, reaction);
-    if (planned.fades_without_server) reaction.driving_N += reaction.force_N - others_N;
+    if (planned.fades_without_server) reaction.fading_N += reaction.force_N - others_N;
   }
 }
 

@@ -45,9 +45,9 @@ void RequestRendering::render_locally(const std::optional<wire::EnvironmentForce
                                                .force_N_max = force_N_max_});
   }
   if (request.local) {
-    // What stands still stays when the server is silent; what drives the device does not go on without it.
-    if (tick.share < 1 && request.local->driving_N.rows() > 0)
-      request.local->force -= (1 - tick.share) * request.local->driving_N;
+    // What stands still stays when the server is silent; what drives the device fades.
+    if (tick.share < 1 && request.local->fading_N.rows() > 0)
+      request.local->force -= (1 - tick.share) * request.local->fading_N;
     request.force_N = request.local->force;
     request.local_scene = local_->scene().number();
     if (newest && tick.share > 0) add_server_parts(*newest, tick, request);

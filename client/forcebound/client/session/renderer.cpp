@@ -86,8 +86,8 @@ ModelAge Renderer::model_age(const wire::EnvironmentForce& newest, const Tick& t
 ForcePolicy Renderer::policy_of(const RequestRendering::Request& request, const Tick& tick,
                                 Nanoseconds age) const noexcept {
   if (!tick.newest) return ForcePolicy::none;
-  const bool drives = request.local && request.local->driving_N.rows() > 0;
-  const bool needs_none = local_ != nullptr && !drives && !request.models.fades;
+  const bool fades = request.local && request.local->fading_N.rows() > 0;
+  const bool needs_none = local_ != nullptr && !fades && !request.models.fades;
   return needs_none ? ForcePolicy::fresh : policy_.verdict(age);
 }
 

@@ -60,7 +60,7 @@ struct Texture {
 struct Reaction {
   Point force_N = Point::Zero();  ///< on the device, scene frame
   Texture texture{};
-  Point driving_N = Point::Zero();  ///< of it, that of effects that fade without a server; not for effects to set
+  Point fading_N = Point::Zero();  ///< of it, that of effects that fade without a server; not for effects to set
 };
 
 /// Facts of an effect with the scene's parameters, for the plan and for `--explain`.

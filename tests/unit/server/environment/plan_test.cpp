@@ -78,7 +78,7 @@ TEST(Plan, SaysOfTheForceWhichPartFadesWithoutAServerAsItsEffectStates) {
   SceneState state(scene, 3);
   const Answer answer = state.answer(vector_of({0, 0, -0.001}), milliseconds{1});
   EXPECT_NEAR((answer.force - vector_of({1, 0, 0})).norm(), 0, 1e-12) << "1 N out of the table, 1 N into it";
-  EXPECT_NEAR((answer.driving_N - vector_of({1, 0, -1})).norm(), 0, 1e-12);
+  EXPECT_NEAR((answer.fading_N - vector_of({1, 0, -1})).norm(), 0, 1e-12);
 }
 
 TEST(Plan, EachClientHasAStateOfItsOwn) {
