@@ -37,21 +37,38 @@ std::size_t in_fullest_place(const scene::Bvh& bvh, std::size_t most) {
   return fullest;
 }
 
+/// @param hashes of several pieces, of which this one has that place
+void check_hash(std::size_t number, std::span<const std::byte> bytes, std::string_view hashes, std::size_t place) {
+  const Hash hash = hash_of(bytes);
+  const auto named = std::as_bytes(std::span(hashes)).subspan(place * kHashBytes, kHashBytes);
+  if (!std::ranges::equal(std::span(hash).first(kHashBytes), named))
+    throw HandoverError("piece " + std::to_string(number) + " has another hash than the manifest says");
+}
+
 }  // namespace
 
 GeometryAssembly::GeometryAssembly(const v1::Geometry& geometry, std::size_t first)
     : geometry_(geometry), first_(first) {
-  const std::size_t pieces = geometry.hashes().size() / kHashBytes;
+  const std::size_t named = geometry.hashes().size() / kHashBytes;
+  const std::size_t pieces = geometry.listed() > 0 ? geometry.listed() : named;
   const bool is_grid = geometry.columns() > 0 || geometry.rows() > 0;
   const bool sound = is_mesh() != is_grid && pieces > 0 && geometry.hashes().size() % kHashBytes == 0;
   const std::size_t heights = std::size_t{geometry.columns()} * geometry.rows();
-  if (!sound ||
-      (is_mesh() && (geometry.boxes().size() != pieces * kBoxBytes || pieces > geometry.triangles() ||
+  if (!sound || (geometry.listed() > 0 && (!is_mesh() || named != lists_of(pieces))) ||
+      (is_mesh() && (geometry.boxes().size() != named * kBoxBytes || pieces > geometry.triangles() ||
                      geometry.vertices() > 3 * std::size_t{geometry.triangles()})) ||
       (is_grid && pieces != tiles(geometry.columns(), geometry.rows()))) {
     throw HandoverError("a geometry of the manifest contradicts itself");
   }
   contents_.resize(pieces);
+  if (geometry.listed() > 0) {
+    lists_.resize(named);
+    hashes_.resize(pieces * kHashBytes);
+    boxes_.resize(pieces * kBoxBytes);
+  } else {
+    hashes_ = geometry.hashes();
+    boxes_ = geometry.boxes();
+  }
   if (is_grid) {
     // The largest of numbers passes over one that is none.
     const Point origin_m = point_of(geometry.origin());
@@ -83,14 +100,47 @@ GeometryAssembly::GeometryAssembly(const v1::Geometry& geometry, std::size_t fir
   triangles_.assign(geometry.triangles(), {kUnknown, kUnknown, kUnknown});
 }
 
-void GeometryAssembly::add(std::size_t number, std::span<const std::byte> bytes) {
+bool GeometryAssembly::knows_hash_of(std::size_t number) const noexcept {
   const std::size_t place = number - first_;
-  const Hash hash = hash_of(bytes);
-  if (!std::equal(
-          hash.begin(), hash.begin() + kHashBytes,
-          std::as_bytes(std::span(geometry_.hashes())).begin() + static_cast<std::ptrdiff_t>(place * kHashBytes))) {
-    throw HandoverError("piece " + std::to_string(number) + " has another hash than the manifest says");
+  return place < lists_.size() || lists_.empty() || !lists_[(place - lists_.size()) / kListed].empty();
+}
+
+GeometryAssembly::Listed GeometryAssembly::listed_by(std::size_t number) const noexcept {
+  const std::size_t list = number - first_;
+  if (list >= lists_.size()) return {};
+  const std::size_t begin = first_ + lists_.size();
+  return {.first = begin + list * kListed, .end = begin + std::min((list + 1) * kListed, contents_.size())};
+}
+
+void GeometryAssembly::add_list(std::size_t number, std::span<const std::byte> bytes) {
+  const std::size_t list = number - first_;
+  check_hash(number, bytes, geometry_.hashes(), list);
+  v1::PieceList read;
+  if (!read.ParseFromArray(bytes.data(), static_cast<int>(bytes.size())))
+    throw HandoverError("piece " + std::to_string(number) + " cannot be read");
+  const Listed named = listed_by(number);
+  const std::size_t pieces = named.end - named.first;
+  if (read.hashes().size() != pieces * kHashBytes || read.boxes().size() != pieces * kBoxBytes)
+    throw HandoverError("a list of a mesh's pieces has another length than the manifest says");
+  const Box whole_m = mesh_box_m(geometry_.boxes(), list);
+  for (std::size_t i = 0; i < pieces; ++i) {
+    const Box box_m = mesh_box_m(read.boxes(), i);
+    if (!box_m.isEmpty() && !whole_m.contains(box_m))
+      throw HandoverError("a list of a mesh's pieces names one outside of its box");
   }
+  const std::size_t first = list * kListed;
+  hashes_.replace(first * kHashBytes, read.hashes().size(), read.hashes());
+  boxes_.replace(first * kBoxBytes, read.boxes().size(), read.boxes());
+  lists_[list].assign(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+}
+
+void GeometryAssembly::add(std::size_t number, std::span<const std::byte> bytes) {
+  if (number - first_ < lists_.size()) {
+    add_list(number, bytes);
+    return;
+  }
+  const std::size_t place = number - first_ - lists_.size();
+  check_hash(number, bytes, hashes_, place);
   v1::MeshPiece mesh;
   v1::HeightPiece heights;
   google::protobuf::MessageLite& piece = is_mesh() ? static_cast<google::protobuf::MessageLite&>(mesh) : heights;
@@ -110,7 +160,7 @@ void GeometryAssembly::add_triangles(const v1::MeshPiece& piece, std::size_t num
   std::vector<std::uint32_t> vertices;
   std::uint64_t number = 0;
   // Where it is missing shows by its box. Half a step for rounding.
-  const Box reported_m = mesh_box_m(number_of_piece);
+  const Box reported_m = mesh_box_m(boxes_, number_of_piece);
   const Point rounding_m = 0.5 / kBoxSteps * frame_.box_m.sizes();
   const Box box_m(reported_m.min() - rounding_m, reported_m.max() + rounding_m);
   if (piece.position_size() != 3 * piece.vertex_size()) wrong();
@@ -196,8 +246,8 @@ Box GeometryAssembly::whole_box_m() const {
                           origin_m.y() + spacing_m * (geometry_.rows() - 1.0), origin_m.z())};
 }
 
-Box GeometryAssembly::mesh_box_m(std::size_t piece) const {
-  const auto* const from = reinterpret_cast<const unsigned char*>(geometry_.boxes().data()) + piece * kBoxBytes;
+Box GeometryAssembly::mesh_box_m(std::string_view boxes, std::size_t place) const {
+  const auto* const from = reinterpret_cast<const unsigned char*>(boxes.data()) + place * kBoxBytes;
   const auto corner = [&](std::size_t at) {
     Point share;
     for (Eigen::Index axis = 0; axis < 3; ++axis, at += 2)
@@ -208,7 +258,7 @@ Box GeometryAssembly::mesh_box_m(std::size_t piece) const {
 }
 
 Box GeometryAssembly::box_m(std::size_t piece) const {
-  if (is_mesh()) return mesh_box_m(piece).translated(frame_.origin_m);
+  if (is_mesh()) return mesh_box_m(boxes_, piece).translated(frame_.origin_m);
   // A place between heights is felt by those about it and by the slopes there, which their neighbours say.
   constexpr double kReach = 2;
   const std::size_t across = (geometry_.columns() + kTile - 1) / kTile;
@@ -223,29 +273,40 @@ Box GeometryAssembly::box_m(std::size_t piece) const {
                 kFar)};
 }
 
+/// A box about each piece that is not there; about all of a list that is not there, one.
+template <class Use>
+void GeometryAssembly::for_each_missing_m(Use use) const {
+  for (std::size_t i = 0; i < contents_.size(); ++i) {
+    if (!contents_[i].empty()) continue;
+    if (lists_.empty() || !lists_[i / kListed].empty()) {
+      use(box_m(i));
+    } else if (i % kListed == 0) {
+      use(mesh_box_m(geometry_.boxes(), i / kListed).translated(frame_.origin_m));
+    }
+  }
+}
+
 Coverage GeometryAssembly::coverage() const {
   std::vector<Box> missing_m;
-  for (std::size_t i = 0; i < pieces(); ++i) {
-    if (contents_[i].empty()) missing_m.push_back(box_m(i));
-  }
+  for_each_missing_m([&](const Box& box_m) { missing_m.push_back(box_m); });
   return {whole_box_m(), missing_m};
 }
 
 double GeometryAssembly::known_within_m(const Point& point_m) const {
   double least_m = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < pieces(); ++i) {
-    if (contents_[i].empty()) least_m = std::min(least_m, box_m(i).exteriorDistance(point_m));
-  }
+  for_each_missing_m([&](const Box& box_m) { least_m = std::min(least_m, box_m.exteriorDistance(point_m)); });
   return least_m;
 }
 
 void GeometryAssembly::append_content(std::vector<std::byte>& to) const {
-  for (const std::string& content : contents_) {
-    // Its length first, in two bytes.
-    to.push_back(static_cast<std::byte>(content.size() & 0xFFU));
-    to.push_back(static_cast<std::byte>(content.size() >> 8U));
-    const auto bytes = std::as_bytes(std::span(content));
-    to.insert(to.end(), bytes.begin(), bytes.end());
+  for (const auto* const contents : {&lists_, &contents_}) {
+    for (const std::string& content : *contents) {
+      // Its length first, in two bytes.
+      to.push_back(static_cast<std::byte>(content.size() & 0xFFU));
+      to.push_back(static_cast<std::byte>(content.size() >> 8U));
+      const auto bytes = std::as_bytes(std::span(content));
+      to.insert(to.end(), bytes.begin(), bytes.end());
+    }
   }
 }
 

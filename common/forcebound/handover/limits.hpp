@@ -7,7 +7,7 @@ namespace forcebound::handover {
 
 /// How much a client takes from a server; more is refused before any memory is spent on it.
 struct Limits {
-  std::size_t manifest_bytes = std::size_t{1} << 20U;  ///< 20 of each piece of a mesh; read as a whole, before counts
+  std::size_t manifest_bytes = std::size_t{1} << 20U;  ///< read as a whole, before counts
   std::size_t pieces = std::size_t{1} << 17U;
   std::size_t parts = 1024;
   std::size_t effects_of_a_part = 32;

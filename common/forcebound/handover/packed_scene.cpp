@@ -26,6 +26,11 @@ struct Cut {
   bool comes_first = false;
 };
 
+void append_hash(const Cut& cut, v1::Geometry& geometry) {
+  const Hash hash = hash_of(std::as_bytes(std::span(cut.bytes)));
+  geometry.mutable_hashes()->append(reinterpret_cast<const char*>(hash.data()), kHashBytes);
+}
+
 Box everywhere() {
   const Point far = Point::Constant(std::numeric_limits<double>::infinity());
   const Point low = -far;
@@ -158,6 +163,43 @@ std::vector<Cut> cut_mesh(const scene::Bvh& bvh, v1::Geometry& geometry) {
   return cuts;
 }
 
+/// About boxes as `put_box` writes them.
+std::string box_about(std::string_view boxes) {
+  const auto number = [&](std::size_t at) {
+    return static_cast<unsigned>(static_cast<unsigned char>(boxes[at])) +
+           256U * static_cast<unsigned char>(boxes[at + 1]);
+  };
+  std::string about;
+  for (std::size_t at = 0; at < kBoxBytes; at += 2) {
+    const bool is_low = at < kBoxBytes / 2;
+    unsigned furthest = number(at);
+    for (std::size_t next = at + kBoxBytes; next < boxes.size(); next += kBoxBytes)
+      furthest = is_low ? std::min(furthest, number(next)) : std::max(furthest, number(next));
+    put_number(about, furthest);
+  }
+  return about;
+}
+
+/// Moves hashes and boxes of a large mesh's pieces from its manifest into lists. @returns these, as pieces
+std::vector<Cut> cut_lists(std::span<const Cut> cuts, v1::Geometry& geometry) {
+  const std::string hashes = std::exchange(*geometry.mutable_hashes(), {});
+  const std::string boxes = std::exchange(*geometry.mutable_boxes(), {});
+  geometry.set_listed(static_cast<std::uint32_t>(cuts.size()));
+  std::vector<Cut> lists;
+  for (std::size_t begin = 0; begin < cuts.size(); begin += kListed) {
+    v1::PieceList list;
+    list.set_hashes(hashes.substr(begin * kHashBytes, kListed * kHashBytes));
+    list.set_boxes(boxes.substr(begin * kBoxBytes, kListed * kBoxBytes));
+    geometry.mutable_boxes()->append(box_about(list.boxes()));
+    Cut cut{.bytes = list.SerializeAsString(), .where_m = {}, .comes_first = cuts[begin].comes_first};
+    for (const Cut& named : cuts.subspan(begin, std::min(kListed, cuts.size() - begin)))
+      cut.where_m.extend(named.where_m);
+    append_hash(cut, geometry);
+    lists.push_back(std::move(cut));
+  }
+  return lists;
+}
+
 std::vector<Cut> cut_heights(const scene::HeightGrid& grid, v1::Geometry& geometry) {
   const std::size_t rows = grid.heights_m.size() / grid.columns;
   fill(grid.origin_m, geometry.mutable_origin());
@@ -269,11 +311,10 @@ class ManifestWriter {
   std::uint32_t add_geometry(CutInto cut_into) {
     v1::Geometry* const geometry = manifest_.add_geometries();
     std::vector<Cut> cuts = cut_into(*geometry);
-    for (Cut& cut : cuts) {
-      const Hash hash = hash_of(std::as_bytes(std::span(cut.bytes)));
-      geometry->mutable_hashes()->append(reinterpret_cast<const char*>(hash.data()), kHashBytes);
-      cuts_.push_back(std::move(cut));
-    }
+    for (const Cut& cut : cuts) append_hash(cut, *geometry);
+    if (geometry->triangles() > 0 && cuts.size() > kUnlistedMost)
+      std::ranges::move(cut_lists(cuts, *geometry), std::back_inserter(cuts_));
+    std::ranges::move(cuts, std::back_inserter(cuts_));
     return static_cast<std::uint32_t>(manifest_.geometries_size());
   }
 

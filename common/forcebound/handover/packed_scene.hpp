@@ -16,8 +16,8 @@ inline constexpr std::size_t kPieceBytesMax = 1100;
 
 /// Sent to a client before the first piece.
 struct Announcement {
-  /// SHA-256 of the manifest, which has the first 8 bytes of that of each piece: the same hash, the same scene, as far
-  /// as its own server did not search for two pieces of the same 8 bytes.
+  /// SHA-256 of the manifest, which has the first 8 bytes of that of each piece or of the list that has them: the same
+  /// hash, the same scene, as far as its own server did not search for two pieces of the same 8 bytes.
   Hash hash{};
   std::size_t manifest_bytes = 0;  ///< 0: nothing is handed over
   std::size_t pieces = 0;          ///< all of them, those of the manifest included

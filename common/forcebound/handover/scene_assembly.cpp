@@ -83,7 +83,7 @@ struct SceneAssembly::Parts {
   std::optional<v1::SceneManifest> manifest{};
   std::vector<GeometryAssembly> geometries{};
   std::vector<BuiltObject> built{};                       // of the objects
-  std::map<std::size_t, std::vector<std::byte>> early{};  // pieces of geometry that overtook the manifest
+  std::map<std::size_t, std::vector<std::byte>> early{};  // pieces that overtook their hash
 
   [[nodiscard]] std::size_t of_manifest() const { return handover::manifest_pieces(announcement.manifest_bytes); }
 
@@ -181,19 +181,25 @@ void SceneAssembly::Parts::read_manifest() {
 }
 
 void SceneAssembly::Parts::add_geometry_piece(std::size_t number, std::span<const std::byte> bytes) {
-  if (!manifest) {
-    // The server sends the manifest first; no more than a network's worth of pieces overtakes it.
-    constexpr std::size_t kEarlyMax = 4096;
-    early.try_emplace(number, bytes.begin(), bytes.end());
-    if (early.size() > kEarlyMax) throw HandoverError("the server sends geometry without a manifest");
-    return;
-  }
   if (here[number]) return;
+  // The end if there is no manifest yet.
   const auto of = std::ranges::find_if(
       geometries, [number](const GeometryAssembly& geometry) { return number < geometry.first() + geometry.pieces(); });
+  if (of == geometries.end() || !of->knows_hash_of(number)) {
+    // The server sends the manifest and lists first; no more than a network's worth of pieces overtakes them.
+    constexpr std::size_t kEarlyMax = 4096;
+    early.try_emplace(number, bytes.begin(), bytes.end());
+    if (early.size() > kEarlyMax) throw HandoverError("the server sends geometry without its hashes");
+    return;
+  }
   of->add(number, bytes);
   here[number] = true;
   ++pieces_here;
+  const GeometryAssembly::Listed listed = of->listed_by(number);
+  for (auto next = early.lower_bound(listed.first); next != early.end() && next->first < listed.end;) {
+    const auto overtook = early.extract(next++);
+    add_geometry_piece(overtook.key(), overtook.mapped());
+  }
 }
 
 std::size_t SceneAssembly::coarse_levels_here() const noexcept {

@@ -375,7 +375,7 @@ TEST(SceneAssembly, RefusesAnEndlessStreamOfGeometryWithoutItsManifest) {
   EXPECT_THAT(refusal_of([&] {
                 for (std::size_t i = 1; i < 100'000; ++i) assembly.add(i, packed->piece(1));
               }),
-              HasSubstr("without a manifest"));
+              HasSubstr("without its hashes"));
 }
 
 /// So many slim triangles about one place.

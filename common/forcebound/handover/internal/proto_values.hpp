@@ -12,6 +12,14 @@ inline constexpr std::size_t kHashBytes = 8;
 inline constexpr std::size_t kBoxBytes = 12;
 inline constexpr double kBoxSteps = 65535;
 
+/// Pieces of a mesh that a list names, so that it fits a piece.
+inline constexpr std::size_t kListed = 54;
+/// Meshes of more pieces than this are listed: the manifest of these is 10 kB.
+inline constexpr std::size_t kUnlistedMost = 512;
+
+/// The number of lists of so many pieces.
+constexpr std::size_t lists_of(std::size_t pieces) { return (pieces + kListed - 1) / kListed; }
+
 /// Heights of a piece along one side.
 inline constexpr std::size_t kTile = 11;
 
