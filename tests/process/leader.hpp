@@ -79,7 +79,7 @@ inline bool was_led_all_the_time(const Server& server) {
 
 /// The least P of the robot's port, as the server's totals have it.
 inline std::optional<double> least_port_millijoules(const std::string& totals) {
-  constexpr std::string_view kBefore = "passivity: least P ";
+  constexpr std::string_view kBefore = "passivity: least P and store ";
   const std::size_t at = totals.find(kBefore);
   if (at == std::string::npos) return std::nullopt;
   return std::stod(totals.substr(at + kBefore.size()));

@@ -39,7 +39,7 @@ const kRows = [
   ["Torque on them", "N m", ({ values }) => digits(size(values, "torque", "N_m"))],
   ["Sensor's bias", "", ({ values }) => (values.bias_age_s >= 0 ? `learned ${digits(values.bias_age_s)} s ago` : "–")],
   ["Lag, drift", "mm", ({ values }) => pair(1e3 * values.lag_m, 1e3 * values.drift_m)],
-  ["P, least", "mJ", ({ values }) => pair(1e3 * values.passivity_J, 1e3 * values.least_passivity_J)],
+  ["P + store, least", "mJ", ({ values }) => pair(1e3 * values.passivity_J, 1e3 * values.least_passivity_J)],
   ["Energy store", "mJ", ({ values, facts }) => `${digits(1e3 * values.store_J)} of ${digits(1e3 * facts.store_J)}`],
   ["From the hand", "mJ", ({ values }) => digits(1e3 * values.received_J)],
 ];

@@ -145,6 +145,11 @@ void add_study(CLI::App& command, TeleoperateOptions& options) {
       ->check(known_device())
       ->type_name("DEVICE")
       ->capture_default_str();
+  command
+      .add_option("--robot-store", study.follower.initial_J,
+                  "energy that the robot may spend before the hand gave any; default: the architecture's")
+      ->check(program::number_within(0, 100))
+      ->type_name("J");
   command.add_option("--motion-scale", study.follower.workspace.motion_scale, "the tool moves so many times as far")
       ->check(program::number_within(0.01, 100))
       ->type_name("M")

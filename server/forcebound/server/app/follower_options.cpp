@@ -73,6 +73,13 @@ void add_follower_options(CLI::App& app, FollowerOptions& options, const control
       ->check(program::number_within(0.001, 100))
       ->capture_default_str()
       ->needs(follower);
+  app.add_option(
+         "--robot-store", options.settings.initial_J,
+         "with --follower: energy that the robot may spend before the leader gave any; default: that of its own "
+         "mass at its speed limit, which is the most")
+      ->type_name("J")
+      ->check(program::number_within(0, 100))
+      ->needs(follower);
   app.add_option("--approach-speed", options.settings.approach_m_per_s_max,
                  "with --follower: largest speed of the robot's tool that a leader gets")
       ->type_name("M_PER_S")

@@ -39,8 +39,9 @@ std::string millijoules(double energy_J) {
 
 std::string port_text(const FollowerTotals& totals) {
   if (!totals.audited) return "not audited: this robot does not measure P";
-  return "least P " + millijoules(totals.port.minimum_J) + ", final " + millijoules(totals.port.energy_J) +
-         "; received from the leader's law " + millijoules(totals.received_J);
+  return "least P and store " + millijoules(totals.port.minimum_J) + ", final " + millijoules(totals.port.energy_J) +
+         "; store at the start " + millijoules(totals.initial_J) + "; received from the leader's law " +
+         millijoules(totals.received_J);
 }
 
 std::string states_text(const FollowerThread::Outcome& outcome) {

@@ -91,6 +91,7 @@ struct ArchitectureKind {
   std::string_view name;
   std::string_view summary;
   bool needs_sensor = false;
+  bool borrows = true;  ///< its robot begins with energy of its own, unless told otherwise
   ImpedanceSettings impedance{};
   std::function<std::unique_ptr<Architecture>(const ImpedanceSettings&)> make{};
 };

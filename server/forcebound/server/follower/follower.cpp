@@ -7,6 +7,7 @@
 
 #include "forcebound/control/classic_text.hpp"
 #include "forcebound/control/exact_law.hpp"
+#include "forcebound/server/follower/initial_energy.hpp"
 
 namespace forcebound::server {
 namespace {
@@ -32,6 +33,21 @@ void check_above_zero(const char* what, double value) {
   if (value > 0 && std::isfinite(value)) return;
   control::ClassicText text;
   text << what << " must be > 0, got " << value;
+  throw std::invalid_argument(text.str());
+}
+
+double initial_J(const FollowerSettings& settings, const Robot& robot) {
+  if (settings.law != "fba-exact") {
+    if (settings.initial_J.value_or(0) == 0) return 0;
+    throw std::invalid_argument("law '" + settings.law + "' begins with no store: fba-exact can");
+  }
+  const double most_J = std::min(largest_initial_J(robot.model()), settings.store_J);
+  if (!settings.initial_J) return find_architecture(settings.architecture).borrows ? most_J : 0;
+  if (*settings.initial_J >= 0 && *settings.initial_J <= most_J) return *settings.initial_J;
+  control::ClassicText text;
+  text << "store that robot '" << robot.facts().name << "' begins with must be 0 to " << most_J
+       << " J, which its own mass has at its speed limit of " << robot.model().limits().tool_speed_m_per_s_max
+       << " m/s, got " << *settings.initial_J;
   throw std::invalid_argument(text.str());
 }
 
@@ -79,11 +95,13 @@ Follower::Follower(std::unique_ptr<Robot> robot, const FollowerSettings& setting
       engagement_(settings.times),
       map_(settings.workspace),
       target_(settings.approach_m_per_s_max, settings.turn_rad_per_s_max),
-      energy_({.power_scale = map_.power_scale(), .most_J = settings.store_J}),
+      energy_(
+          {.power_scale = map_.power_scale(), .most_J = settings.store_J, .initial_J = initial_J(settings_, *robot_)}),
       bias_(robot_->force_sensor()),
       unanswered_(*robot_),
       given_(Vector::Zero(robot_->facts().joints())) {
   report_.map = map_;
+  bounder_.receive_energy(energy_.initial_J());
 }
 
 void Follower::begin_leader() noexcept {
@@ -348,6 +366,7 @@ void Follower::picture(const device::Reading& reading, Nanoseconds now) noexcept
 FollowerTotals Follower::totals() const noexcept {
   FollowerTotals totals = totals_;
   totals.received_J = energy_.received_J();
+  totals.initial_J = energy_.initial_J();
   ReceivedEnergy energy = energy_;
   if (const auto audit = robot_->audit()) {
     energy.update(*audit);

@@ -26,7 +26,10 @@ struct FollowerSettings {
   std::string law = "fba-exact";
   WorkspaceSettings workspace{};
   EngagementTimes times{};
-  double store_J = 2;                  ///< energy that the robot's law keeps at most; > 0
+  double store_J = 2;  ///< energy that the robot's law keeps at most; > 0
+  /// E_0, energy that the robot's law begins with, 0 to `largest_initial_J`; none: ArchitectureKind::borrows decides
+  /// between these two.
+  std::optional<double> initial_J{};
   double approach_m_per_s_max = 0.25;  ///< of the tool's target, > 0
   double turn_rad_per_s_max = 1;       ///< likewise
   double contact_N_max = 80;           ///< above this, sensed, the robot stops; > 0
@@ -47,7 +50,7 @@ struct FollowerPicture {
   double drift_m = 0;                                   ///< FollowerTotals::offset_drift_m
   double store_J = 0;                                   ///< energy that the robot's law may spend
   double received_J = 0;
-  control::PassivityAudit port{};         ///< P_F and its least; only of robots that are audited
+  control::PassivityAudit port{};         ///< P_F + E_0 and its least; only of robots that are audited
   bool grip_waits = false;                ///< until the operator's grip has met where the gripper stands
   std::optional<Nanoseconds> bias_age{};  ///< since the sensor's bias was learned
 };
@@ -72,7 +75,8 @@ struct FollowerTotals {
   std::uint64_t motions_refused = 0;  ///< of the leader, farther away than any hand
   std::string_view why_stopped{};     ///< last
   double received_J = 0;              ///< energy of the leader's law, at the robot's scale
-  control::PassivityAudit port{};     ///< P_F and its least; only of simulated robots
+  double initial_J = 0;               ///< E_0
+  control::PassivityAudit port{};     ///< P_F + E_0 and its least; only of simulated robots
   bool audited = false;
   double lag_m = 0;  ///< from tool to target, now
   double lag_m_max = 0;
@@ -85,7 +89,8 @@ struct FollowerTotals {
 ///     force, plane   <- map, scale         <- architecture <- sensor, encoders, estimator      <-
 ///
 /// The law is that of the device at the hand, in the robot's joints: the torques can never give the surroundings more
-/// energy than the robot's own joints dissipate and the leader's law gave up (ReceivedEnergy; README.md has the proof).
+/// energy than the robot's own joints dissipate, the leader's law gave up and the robot began with (ReceivedEnergy;
+/// README.md has the proof).
 ///
 /// `receive`, `leave`, `learn_bias` and `tick` are called on one thread. Time is given: the clock is asked only for how
 /// long choosing takes.

@@ -131,6 +131,7 @@ TeleoperationMeasures run_teleoperation(const TeleoperationSetup& setup, std::ve
   const server::TaskRobot& at_work = *robot;
   server::FollowerSettings settings = setup.follower;
   settings.law = setup.law;
+  if (setup.law != "fba-exact") settings.initial_J.reset();
   const control::LawRegistry laws = law_plugin::known_laws();
   const auto follower = std::make_shared<server::Follower>(std::move(robot), settings, laws, clock);
   const auto runner = std::make_shared<server::StepwiseRunner>(follower, Nanoseconds{0});

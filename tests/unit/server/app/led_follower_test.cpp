@@ -89,7 +89,10 @@ TEST(RobotsTotals, HaveBothTimersAndThePort) {
   outcome.missed_ticks = 3;
   outcome.at_rest = true;
   const std::string text = in_words(outcome);
-  EXPECT_THAT(text, HasSubstr("least P 0 mJ, final 12.3 mJ; received from the leader's law 1500 mJ"));
+  EXPECT_THAT(
+      text,
+      HasSubstr(
+          "least P and store 0 mJ, final 12.3 mJ; store at the start 0 mJ; received from the leader's law 1500 mJ"));
   EXPECT_THAT(text, HasSubstr("on 2.5 % of 10000 ticks"));
   EXPECT_THAT(text, HasSubstr("4.2 mm behind its leader at most"));
   EXPECT_THAT(text, HasSubstr("states: waiting 1 s, following 9 s\n"));
@@ -138,7 +141,7 @@ TEST(LedRobot, BehindADriverHasNoTaskButWorkOfItsOwn) {
   robot->stop();
   EXPECT_FALSE(robot->is_lost());
   EXPECT_THAT(robot->totals(), AllOf(HasSubstr("position-force"), HasSubstr("at the end at rest"),
-                                     HasSubstr("least P 0 mJ"), Not(HasSubstr("  task: "))));
+                                     HasSubstr("least P and store"), Not(HasSubstr("  task: "))));
 }
 
 TEST(LedRobot, SaysWhatItNeedsWithoutMuJoCo) {

@@ -7,8 +7,10 @@
 #include <memory>
 #include <optional>
 #include <stdexcept>
+#include <string>
 
 #include "forcebound/server/follower/follower_environment.hpp"
+#include "forcebound/server/follower/initial_energy.hpp"
 #include "tests/support/allocation_guard.hpp"
 #include "tests/support/fake_clock.hpp"
 #include "tests/support/gantry_robot.hpp"
@@ -70,12 +72,43 @@ TEST(Follower, FollowsWithinAMillimetreAndStaysPassive) {
 
 TEST(Follower, WithoutEnergyFromItsLeaderItHardlyMoves) {
   const auto lead = [](double t, LeaderMotion& leader) { leader.position[1] = 0.05 * std::min(t, 1.0); };
-  Led poor({.architecture = "position-position"});
+  Led poor({.architecture = "position-position", .initial_J = 0});
   poor.run(
       1s, [](double, LeaderMotion&) {}, 0);
   poor.run(2s, lead, 0);
   EXPECT_LT(std::abs(poor.robot->place_m()[1]), 1e-4) << "from rest nothing is dissipated, so nothing can be spent";
   EXPECT_GE(poor.follower->totals().port.minimum_J, -1e-12);
+}
+
+TEST(Follower, BorrowsFromItsStoreWhatItMovesWith) {
+  const auto lead = [](double t, LeaderMotion& leader) { leader.position[1] = 0.05 * std::min(t, 1.0); };
+  Led led({.architecture = "position-position", .initial_J = 0.5});
+  led.run(
+      1s, [](double, LeaderMotion&) {}, 0);
+  led.run(2s, lead, 0);
+  EXPECT_NEAR(led.robot->place_m()[1], 0.05, 2e-3);
+  const FollowerTotals totals = led.follower->totals();
+  EXPECT_EQ(totals.initial_J, 0.5);
+  EXPECT_EQ(totals.received_J, 0);
+  EXPECT_LT(totals.port.minimum_J, 0.5) << "it was spent";
+  EXPECT_GE(totals.port.minimum_J, -1e-12);
+}
+
+TEST(Follower, BeginsWithNoMoreThanItsSpeedLimitAllows) {
+  // 2 kg at 1 m/s.
+  EXPECT_NEAR(largest_initial_J(test::GantryModel({})), 1, 1e-9);
+  EXPECT_NEAR(Led({.architecture = "position-position"}).follower->totals().initial_J, 1, 1e-9);
+  EXPECT_EQ(Led({.architecture = "position-position", .law = "none"}).follower->totals().initial_J, 0);
+  for (const double initial_J : {-0.1, 1.1, std::nan("")}) {
+    try {
+      const Led led({.initial_J = initial_J});
+      ADD_FAILURE() << initial_J << " J were accepted";
+    } catch (const std::invalid_argument& error) {
+      const std::string said = error.what();
+      EXPECT_NE(said.find("0 to 1 J"), std::string::npos) << said;
+      EXPECT_NE(said.find("speed limit of 1 m/s"), std::string::npos) << said;
+    }
+  }
 }
 
 TEST(Follower, WithoutALawItLeaks) {
@@ -229,6 +262,8 @@ TEST(Follower, RefusesSettingsThatCannotBe) {
   EXPECT_THROW(make({.clutch_button = 32}), std::invalid_argument);
   EXPECT_THROW(make({.architecture = "position-force"}, false), std::invalid_argument);
   EXPECT_NO_THROW(make({.architecture = "position-position"}, false));
+  EXPECT_NO_THROW(make({.law = "none", .initial_J = 0}));
+  EXPECT_THROW(make({.law = "none", .initial_J = 0.1}), std::invalid_argument) << "which would not know of it";
 }
 
 TEST(Follower, ALostFirstReadingSendsItNowhere) {

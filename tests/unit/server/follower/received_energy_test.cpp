@@ -48,5 +48,16 @@ TEST(ReceivedEnergy, ThePortIsLeastWhereTheRobotIs) {
   EXPECT_EQ(energy.port().minimum_J, -0.5) << "between two ticks it spent more";
 }
 
+TEST(ReceivedEnergy, ThePortHoldsWhatItBeganWith) {
+  ReceivedEnergy energy({.initial_J = 0.25});
+  EXPECT_EQ(energy.received_J(), 0) << "nobody gave it";
+  EXPECT_EQ(energy.port().energy_J, 0.25);
+  energy.update({.energy_J = -0.25, .minimum_J = -0.25});
+  EXPECT_EQ(energy.port().minimum_J, 0) << "it spent all of it";
+  energy.update({.energy_J = 0, .minimum_J = -0.375});
+  EXPECT_EQ(energy.port().energy_J, 0.25);
+  EXPECT_EQ(energy.port().minimum_J, -0.125) << "and more than that";
+}
+
 }  // namespace
 }  // namespace forcebound::server
