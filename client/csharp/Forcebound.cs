@@ -57,6 +57,8 @@ public static class Library {
       throw new DllNotFoundException(WhyNot(), e);
     } catch (BadImageFormatException e) {
       throw new DllNotFoundException(WhyNot(), e);
+    } catch (EntryPointNotFoundException e) {
+      throw new DllNotFoundException("the libforcebound.so that was found is another library: it has no fb_version", e);
     }
     found = true;
   }
@@ -71,13 +73,22 @@ public static class Library {
       if (folder.Length == 0) continue;
       string path = Path.Combine(folder, file);
       if (!File.Exists(path)) continue;
-      string built = BuiltFor(path);
-      return built == "x86-64" && IntPtr.Size == 8
+      string built = BuiltFor(path), wanted = ForThisProcess();
+      return built == wanted
                  ? path + " is there, but cannot be loaded: a library that it needs is missing; see: ldd " + path
-                 : path + " is " + built + ", expected an ELF library for this process (x86-64)";
+                 : path + " is " + built + ", expected an ELF library " + wanted;
     }
     return file + " not found, expected in a folder of LD_LIBRARY_PATH, beside the program, where the system keeps " +
            "libraries, or in Unity in Plugins/x86_64";
+  }
+
+  private static string ForThisProcess() {
+    switch (RuntimeInformation.ProcessArchitecture) {
+      case Architecture.X86: return "for x86";
+      case Architecture.Arm: return "for ARM";
+      case Architecture.Arm64: return "for AArch64";
+      default: return "for x86-64";
+    }
   }
 
   private static string BuiltFor(string path) {
@@ -96,7 +107,7 @@ public static class Library {
     switch (head[machineAt] | (head[machineAt + 1] << 8)) {
       case 3: return "for x86";
       case 40: return "for ARM";
-      case 62: return "x86-64";
+      case 62: return "for x86-64";
       case 183: return "for AArch64";
       default: return "for another processor";
     }

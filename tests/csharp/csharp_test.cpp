@@ -99,10 +99,18 @@ TEST(CSharp, SaysForWhichProcessorALibraryIs) {
   write_file(folder.file("libforcebound.so"), library);
   Ran ran = run_mono(folder.path(), "Checks", {"LibraryIsMissing"});
   EXPECT_EQ(ran.exit_code, 0) << ran.err;
-  EXPECT_THAT(ran.out, HasSubstr("libforcebound.so is for AArch64, expected an ELF library for this process"));
+  EXPECT_THAT(ran.out, HasSubstr("libforcebound.so is for AArch64, expected an ELF library for x86-64"));
   write_file(folder.file("libforcebound.so"), "MZ, of another system");
   ran = run_mono(folder.path(), "Checks", {"LibraryIsMissing"});
   EXPECT_THAT(ran.out, HasSubstr("libforcebound.so is no ELF library, expected"));
+}
+
+TEST(CSharp, SaysThatALibraryIsAnother) {
+  const TemporaryFolder folder;
+  std::filesystem::copy_file(FORCEBOUND_STRANGER, folder.file("libforcebound.so"));
+  const Ran ran = run_mono(folder.path(), "Checks", {"LibraryIsMissing"});
+  EXPECT_EQ(ran.exit_code, 0) << ran.err;
+  EXPECT_THAT(ran.out, HasSubstr("is another library: it has no fb_version"));
 }
 
 /// The number before `unit` in the sample's last line.
