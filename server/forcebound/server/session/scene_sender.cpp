@@ -31,8 +31,8 @@ SceneSender::SceneSender(std::shared_ptr<const handover::PackedScene> scene, con
     : scene_(std::move(scene)),
       rate_(bucket(rate, now)),
       states_(scene_->announcement().pieces),
-      waiting_(states_.size()),
-      sent_once_(scene_->announcement().pieces) {
+      due_(states_.size()),
+      newest_of_(scene_->announcement().pieces) {
   chosen_.reserve(states_.size());
 }
 
@@ -76,8 +76,8 @@ void SceneSender::acknowledge(std::uint64_t transmission, Nanoseconds now) noexc
 void SceneSender::set(std::uint32_t number, State state) noexcept {
   const State before = std::exchange(states_[number], state);
   if (state == before) return;
-  if (before == State::waiting) --waiting_;
-  if (state == State::waiting) ++waiting_;
+  if (due(before)) --due_;
+  if (due(state)) ++due_;
   if (before == State::there) --there_;
   if (state == State::there) ++there_;
 }
@@ -90,7 +90,8 @@ Nanoseconds SceneSender::patience() const noexcept {
 void SceneSender::give_up_late(Nanoseconds now) noexcept {
   for (; first_ <= last_; ++first_) {
     const Flight& oldest = flight(first_);
-    if (states_[oldest.number] == State::on_its_way) {
+    const bool newest = newest_of_[oldest.number] == oldest.transmission;
+    if (newest && states_[oldest.number] != State::there) {
       if (now - oldest.sent < patience()) return;
       set(oldest.number, State::waiting);
       next_chosen_ = chosen_.size();  // it may be the nearest
@@ -98,8 +99,12 @@ void SceneSender::give_up_late(Nanoseconds now) noexcept {
   }
 }
 
-double SceneSender::urgency_m(std::uint32_t number) const noexcept {
-  if (scene_->comes_first(number)) return static_cast<double>(number) - static_cast<double>(states_.size());
+/// Below zero for what comes first, in its order; of the rest the distance [m].
+double SceneSender::urgency(std::uint32_t number) const noexcept {
+  if (scene_->comes_first(number)) {
+    const double rounds = states_[number] == State::to_be_doubled ? 1 : 2;
+    return static_cast<double>(number) - rounds * static_cast<double>(states_.size());
+  }
   const auto& where_m = scene_->where_m(number);
   return std::sqrt(std::min(where_m.squaredExteriorDistance(place_m_), where_m.squaredExteriorDistance(ahead_m_)));
 }
@@ -109,11 +114,11 @@ void SceneSender::choose() noexcept {
   next_chosen_ = 0;
   chosen_at_m_ = ahead_m_;
   for (std::uint32_t number = 0; number < states_.size(); ++number) {
-    if (states_[number] == State::waiting) chosen_.push_back(number);
+    if (due(states_[number])) chosen_.push_back(number);
   }
   const auto wanted = static_cast<std::ptrdiff_t>(std::min(kChosen, chosen_.size()));
   std::partial_sort(chosen_.begin(), chosen_.begin() + wanted, chosen_.end(), [this](std::uint32_t a, std::uint32_t b) {
-    return std::pair(urgency_m(a), a) < std::pair(urgency_m(b), b);
+    return std::pair(urgency(a), a) < std::pair(urgency(b), b);
   });
   chosen_.resize(static_cast<std::size_t>(wanted));
 }
@@ -122,16 +127,15 @@ std::optional<SceneSender::Sending> SceneSender::next(Nanoseconds now) noexcept 
   if (!wanted_ || there_ == states_.size()) return std::nullopt;
   give_up_late(now);
   // The rate first, which bounds how often a choice is made too.
-  if (waiting_ == 0 || last_ + 1 - first_ >= kFlights || !rate_.take(now)) return std::nullopt;
-  while (next_chosen_ < chosen_.size() && states_[chosen_[next_chosen_]] != State::waiting) ++next_chosen_;
+  if (due_ == 0 || last_ + 1 - first_ >= kFlights || !rate_.take(now)) return std::nullopt;
+  while (next_chosen_ < chosen_.size() && !due(states_[chosen_[next_chosen_]])) ++next_chosen_;
   const bool moved = (ahead_m_ - chosen_at_m_).norm() > kMoved_m;
   if (moved || next_chosen_ == chosen_.size()) choose();
   const std::uint32_t number = chosen_[next_chosen_++];
   ++last_;
   flight(last_) = {.transmission = last_, .number = number, .sent = now};
-  set(number, State::on_its_way);
-  const bool again = sent_once_[number];
-  sent_once_[number] = true;
+  const bool again = std::exchange(newest_of_[number], last_) != 0;
+  set(number, scene_->comes_first(number) && !again ? State::to_be_doubled : State::on_its_way);
   return Sending{.transmission = last_, .number = number, .again = again};
 }
 

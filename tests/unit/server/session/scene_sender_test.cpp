@@ -76,9 +76,10 @@ TEST(SceneSender, SendsNothingUnlessItIsWanted) {
 
 TEST(SceneSender, SendsEachPieceOnceWhereNothingIsLostAndNearestFirst) {
   const auto scene = ball();
-  SceneSender sender(scene, {.bytes_per_s = 100e3}, 0ms);
-  FarClient client(sender, 20ms, 0, 1);
-  client.live(10s);
+  // Each is acknowledged before the next one leaves.
+  SceneSender sender(scene, {.bytes_per_s = 100e3, .pieces_at_once = 1}, 0ms);
+  FarClient client(sender, 5ms, 0, 1);
+  client.live(20s);
   EXPECT_EQ(client.got.size(), scene->announcement().pieces);
   EXPECT_EQ(client.order.size(), scene->announcement().pieces);
   EXPECT_EQ(client.sent_again, 0);
@@ -97,9 +98,9 @@ TEST(SceneSender, SendsEachPieceOnceWhereNothingIsLostAndNearestFirst) {
 
 TEST(SceneSender, SendsTheManifestThenTheCoarseLevelAndThenTheRest) {
   const auto scene = handover::pack(*handover::mesh_scene(test::ball(0.03, 60)));
-  SceneSender sender(scene, {.bytes_per_s = 100e3}, 0ms);
-  FarClient client(sender, 20ms, 0, 1);
-  client.live(10s);
+  SceneSender sender(scene, {.bytes_per_s = 100e3, .pieces_at_once = 1}, 0ms);
+  FarClient client(sender, 5ms, 0, 1);
+  client.live(20s);
   ASSERT_EQ(client.order.size(), scene->announcement().pieces);
   const auto comes_first = [&](std::uint32_t number) { return scene->comes_first(number); };
   EXPECT_TRUE(std::ranges::is_partitioned(client.order, comes_first));
@@ -107,6 +108,22 @@ TEST(SceneSender, SendsTheManifestThenTheCoarseLevelAndThenTheRest) {
   EXPECT_TRUE(std::is_sorted(client.order.begin(), rest));
   const std::size_t of_manifest = handover::manifest_pieces(scene->announcement().manifest_bytes);
   EXPECT_GT(static_cast<std::size_t>(rest - client.order.begin()), of_manifest + 20);
+}
+
+TEST(SceneSender, SendsTwiceAtOnceWhatComesFirstAndIsNotAcknowledgedByThen) {
+  const auto scene = handover::pack(*handover::mesh_scene(test::ball(0.03, 60)));
+  std::size_t first = 0;
+  while (scene->comes_first(static_cast<std::uint32_t>(first))) ++first;
+  ASSERT_GT(first, 20U);
+  SceneSender sender(scene, {}, 0ms);
+  FarClient client(sender, 500ms, 0, 1);
+  client.live(999ms);
+  ASSERT_GT(client.order.size(), 2 * first);
+  for (std::size_t i = 0; i < first; ++i) {
+    EXPECT_EQ(client.order[i], i);
+    EXPECT_EQ(client.order[first + i], i) << "no word of it yet";
+  }
+  EXPECT_FALSE(scene->comes_first(client.order[2 * first])) << "no third time within a round trip";
 }
 
 TEST(SceneSender, SendsAgainWhatWasLostUntilAllIsThere) {
