@@ -265,7 +265,8 @@ typedef struct fb_client_settings {
 /* Looks up the server, opens the recording, reads the keys. A device serves one client at a time. */
 FB_EXPORT fb_status fb_client_create(const fb_client_settings* settings, fb_device* device, fb_client** client);
 
-/* Starts the device and the thread. Once. FB_FAILED: the device does not start. */
+/* Starts the thread, and on it the device. Once. If the device does not start, the client ends, and fb_client_wait says
+ * why. */
 FB_EXPORT fb_status fb_client_start(fb_client* client);
 
 /* Waits until it has ended: its time is up, it gave up, or it was stopped. FB_NOT_NOW: it still runs after so long, or was
