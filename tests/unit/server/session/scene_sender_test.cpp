@@ -112,18 +112,20 @@ TEST(SceneSender, SendsTheManifestThenTheCoarseLevelAndThenTheRest) {
 
 TEST(SceneSender, SendsTwiceAtOnceWhatComesFirstAndIsNotAcknowledgedByThen) {
   const auto scene = handover::pack(*handover::mesh_scene(test::ball(0.03, 60)));
-  std::size_t first = 0;
-  while (scene->comes_first(static_cast<std::uint32_t>(first))) ++first;
-  ASSERT_GT(first, 20U);
+  std::vector<std::uint32_t> first;
+  for (std::uint32_t number = 0; number < scene->announcement().pieces; ++number) {
+    if (scene->comes_first(number)) first.push_back(number);
+  }
+  ASSERT_GT(first.size(), 20U);
   SceneSender sender(scene, {}, 0ms);
   FarClient client(sender, 500ms, 0, 1);
   client.live(999ms);
-  ASSERT_GT(client.order.size(), 2 * first);
-  for (std::size_t i = 0; i < first; ++i) {
-    EXPECT_EQ(client.order[i], i);
-    EXPECT_EQ(client.order[first + i], i) << "no word of it yet";
+  ASSERT_GT(client.order.size(), 2 * first.size());
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    EXPECT_EQ(client.order[i], first[i]);
+    EXPECT_EQ(client.order[first.size() + i], first[i]) << "no word of it yet";
   }
-  EXPECT_FALSE(scene->comes_first(client.order[2 * first])) << "no third time within a round trip";
+  EXPECT_FALSE(scene->comes_first(client.order[2 * first.size()])) << "no third time within a round trip";
 }
 
 TEST(SceneSender, SendsAgainWhatWasLostUntilAllIsThere) {
