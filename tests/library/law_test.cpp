@@ -165,7 +165,7 @@ TEST(LibraryLawAlone, AfterAWrongCallTheForceIsZeroAndTheLedgerStillHolds) {
   ASSERT_LT(force_N, 0);
   const double energy_J = ledger_of(law).energy_J;
 
-  const auto refused = [&](const fb_motion* given, double* to, std::size_t axes, const std::string& why) {
+  const auto refused = [&](const fb_motion* given, const double* to, std::size_t axes, const std::string& why) {
     std::array<double, 8> forces_N{9, 9, 9, 9, 9, 9, 9, 9};
     EXPECT_EQ(fb_law_tick(law.get(), given, &request_N, to == nullptr ? nullptr : forces_N.data(), axes), FB_INVALID);
     EXPECT_THAT(fb_last_error(), HasSubstr(why));

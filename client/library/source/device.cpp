@@ -42,7 +42,7 @@ fb_status open(const std::string& device, const std::string& hand, fb_device** o
   auto made = std::make_shared<OpenedDevice>();
   made->device = devices.make(request);
   made->hand = request.hand;
-  *opened = std::make_unique<fb_device>(std::move(made)).release();
+  *opened = std::make_unique<fb_device>(fb_device{std::move(made)}).release();
   return FB_OK;
 }
 
@@ -51,7 +51,7 @@ fb_status of_callbacks(const fb_facts& facts, const fb_device_callbacks& callbac
   auto made = std::make_shared<OpenedDevice>();
   made->callbacks = own.get();
   made->device = std::move(own);
-  *device = std::make_unique<fb_device>(std::move(made)).release();
+  *device = std::make_unique<fb_device>(fb_device{std::move(made)}).release();
   return FB_OK;
 }
 

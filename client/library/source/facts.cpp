@@ -28,7 +28,7 @@ RealDevice load(const std::string& name_or_path) {
 fb_status fb_facts_load(const char* name_or_path, fb_facts** facts) {
   if (name_or_path == nullptr || facts == nullptr) return refused("fb_facts_load", "an argument is null");
   return guarded("fb_facts_load", [&] {
-    *facts = std::make_unique<fb_facts>(load(name_or_path)).release();
+    *facts = std::make_unique<fb_facts>(fb_facts{load(name_or_path)}).release();
     return FB_OK;
   });
 }
@@ -36,7 +36,7 @@ fb_status fb_facts_load(const char* name_or_path, fb_facts** facts) {
 fb_status fb_facts_parse(const char* toml, const char* name, fb_facts** facts) {
   if (toml == nullptr || name == nullptr || facts == nullptr) return refused("fb_facts_parse", "an argument is null");
   return guarded("fb_facts_parse", [&] {
-    *facts = std::make_unique<fb_facts>(forcebound::device::parse_facts(toml, name)).release();
+    *facts = std::make_unique<fb_facts>(fb_facts{forcebound::device::parse_facts(toml, name)}).release();
     return FB_OK;
   });
 }

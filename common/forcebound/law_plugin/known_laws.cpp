@@ -44,14 +44,13 @@ std::string name_of_library(const std::string& file, std::vector<std::shared_ptr
   }
   auto library = std::make_shared<const LawLibrary>(file);
   const std::string name = library->functions().name;
+  const auto refuse = [&](const std::string& why) {
+    throw std::runtime_error("law " + file + ": calls itself '" + name + "', as " + why);
+  };
   const std::vector<std::string> shipped = baselines::shipped_laws().names();
-  if (std::ranges::find(shipped, name) != shipped.end()) {
-    throw std::runtime_error("law " + file + ": calls itself '" + name + "', as one that ships; give it another name");
-  }
-  for (const auto& other : libraries) {
-    if (other->functions().name != name) continue;
-    throw std::runtime_error("law " + file + ": calls itself '" + name + "', as " + other->file() + " does");
-  }
+  if (std::ranges::find(shipped, name) != shipped.end()) refuse("one that ships; give it another name");
+  const auto same = std::ranges::find(libraries, name, [](const auto& other) { return other->functions().name; });
+  if (same != libraries.end()) refuse((*same)->file() + " does");
   libraries.push_back(std::move(library));
   return name;
 }
