@@ -64,6 +64,7 @@ constexpr Privilege kPrivileges[] = {
       R"(common/forcebound/text/classic_locale\.cpp|)"
       R"(client/forcebound/client/page/live_page\.hpp|server/forcebound/server/session/shared_limits\.hpp|)"
       R"(server/forcebound/server/environment/scene_library\.cpp|)"
+      R"(common/forcebound/law_plugin/known_laws\.cpp|)"
       R"(server/forcebound/server/security/moved_keys\.hpp|)"
       R"(common/forcebound/net/(name_lookup\.cpp|peer_link\.hpp))",
       kCrash, kChild},
@@ -71,6 +72,7 @@ constexpr Privilege kPrivileges[] = {
      "client's scene_builder.hpp and handshaker.hpp, whose counts "
      "and texts another thread reads, the client's live_page.hpp, which two threads use, "
      "the server's shared_limits.hpp, moved_keys.hpp and scene_library.cpp, which all workers share, "
+     "common/forcebound/law_plugin/known_laws.cpp, since loaded laws are of the process, "
      "common/forcebound/net/name_lookup.cpp, which waits for name servers, and peer_link.hpp, whose news another "
      "thread takes, common/forcebound/page/page_server.cpp, common/forcebound/text/classic_locale.cpp, since the "
      "locale is of all threads, common/forcebound/driver's crash.cpp and opened_driver.cpp, which stop what a driver "
