@@ -72,6 +72,9 @@ void check(const DeviceFacts& facts) {
   if (!above_zero(facts.hold_s_max)) refuse(facts, "hold time must be > 0 s", facts.hold_s_max);
   if (!(facts.release_share >= 0) || facts.release_share > 1) {
     refuse(facts, "share of a force at its release must be 0 to 1", facts.release_share);
+  if (!facts.releases && facts.release_share > 0 && facts.release_s > 0) {
+    refuse(facts, "share of a force at its release must be 0 where the device does not release", facts.release_share);
+  }
   }
   if (!(facts.release_s >= 0) || !std::isfinite(facts.release_s)) {
     refuse(facts, "time of release must be >= 0 s", facts.release_s);

@@ -62,6 +62,10 @@ void read_limits(config::CheckedTable& file, control::DeviceFacts& facts) {
   facts.release_s = file.number({.key = "release_s", .preset = facts.release_s, .least = 0, .most = 1});
   if (facts.hold_s_max + facts.release_s > 1) file.refuse("release_s", "<= 1 s together with hold_s_max");
   facts.releases = file.flag("releases", facts.releases);
+  if (!facts.releases && facts.release_share > 0 && facts.release_s > 0) {
+    file.refuse("release_share",
+                "left out where releases = false, as such a device holds all of a force until the next");
+  }
   facts.latency_s = file.number({.key = "latency_s", .preset = facts.latency_s, .least = 0, .most = kLatencyMax_s});
 }
 

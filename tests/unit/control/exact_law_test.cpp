@@ -482,6 +482,12 @@ TEST(ExactLaw, RefusesADeviceItCannotKeepPassive) {
                 f.uncertainty.hold_s = {-1e-3, 0};
               }),
               HasSubstr("hold time must be > 0 s at the least, got 0"));
+  EXPECT_THAT(refusal([](DeviceFacts& f) {
+                f.releases = false;
+                f.release_share = 0.5;
+                f.release_s = 1e-3;
+              }),
+              HasSubstr("share of a force at its release must be 0 where the device does not release, got 0.5"));
 }
 
 }  // namespace

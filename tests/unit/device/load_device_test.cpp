@@ -155,6 +155,11 @@ TEST(ParseDevice, TakesBoundsOfWhatIsNotKnownExactly) {
   EXPECT_EQ(told("torque_share = 0.02\n").torque_ripple_share, 0.02) << "its name before";
 }
 
+TEST(ParseDevice, RefusesStagesOfAReleaseThatIsNone) {
+  EXPECT_THAT(refusal_of_file(std::string(kPoint) + "releases = false\nrelease_share = 0.5\nrelease_s = 0.001\n"),
+              HasSubstr("release_share must be left out where releases = false"));
+}
+
 TEST(ParseDevice, RefusesBoundsThatNoDeviceCanHave) {
   const auto with = [](const std::string& line) { return refusal_of_file(kPoint + ("[uncertainty]\n" + line)); };
   EXPECT_THAT(with("stamp_s = [1e-5, -1e-5]\n"),
