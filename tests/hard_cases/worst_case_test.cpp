@@ -315,6 +315,9 @@ TEST(WorstCase, IsNeverLessThanTheExactLawBelievesAndEqualWhereNoKnotIsLeftOut) 
   long equal = 0;
   long spent = 0;
   long ticks = 0;
+// Found after 2.7 million ticks: epsilon of Lemma 6 lacked the ripple of the torques on either side of a change.
+TEST(WorstCase, IsNeverLessWhereAnOffsetMovesTheChangeOfTorquesWithRipple) { CheckedRun(10650).play(250); }
+
   for (std::uint64_t seed = 1; ticks < FORCEBOUND_WORST_CASE_TICKS; ++seed, ticks += kTicksOfARun) {
     SCOPED_TRACE(seed);
     CheckedRun run(seed);

@@ -115,7 +115,7 @@ void ExactLedger::queue_command(const Motion& motion) noexcept {
 }
 
 void ExactLedger::let_act(double duration_s, double stretch) noexcept {
-  Vector jumps = Vector::Zero(joint_count_);  // of the torque from piece to piece, together
+  Vector jumps = Vector::Zero(joint_count_);  // of the torque from piece to piece, with the bands of both, together
   double passed_s = 0;
   held_.each_piece(
       stamp_s_.least, duration_s + stamp_s_.most, [&](const Vector& mid, const Vector& spread, double piece_s) {
@@ -127,7 +127,10 @@ void ExactLedger::let_act(double duration_s, double stretch) noexcept {
         if (offset_known()) return;
         passed_s += piece_s * stretch;
         if (mid != latest_mid_ || spread != latest_spread_) {
-          jumps += (mid - latest_mid_).cwiseAbs() + spread + latest_spread_;
+          for (Eigen::Index i = 0; i < joint_count_; ++i) {
+            jumps[i] += std::abs(mid[i] - latest_mid_[i]) + spread_of(std::abs(mid[i]), spread[i]) +
+                        spread_of(std::abs(latest_mid_[i]), latest_spread_[i]);
+          }
           latest_mid_ = mid;
           latest_spread_ = spread;
         }
@@ -141,7 +144,7 @@ void ExactLedger::charge_between(const Vector& jumps, double passed_s) noexcept 
   const double half_s = 0.5 * (other_offsets_s_.most - other_offsets_s_.least);
   for (Eigen::Index i = 0; i < joint_count_; ++i) {
     const LeastEnergy& most = joint(i).most;
-    const double jump = gain_.most * (1 + ripple_share_) * jumps[i];
+    const double jump = gain_.most * jumps[i];
     between_.add(half_s * jump / most.damping() * (half_s * jump / (4 * passed_s) + most.friction()));
   }
 }
