@@ -49,7 +49,12 @@ class Draw {
 class CheckedRun {
  public:
   explicit CheckedRun(std::uint64_t seed) : draw_(seed), facts_(drawn_facts()), law_(facts_, EnergyMemory::full) {
-    const Bracket& offset_s = facts_.uncertainty.latency_offset_s;
+    Bracket& offset_s = facts_.uncertainty.latency_offset_s;
+    if (offset_s.most - offset_s.least > 0.4 * facts_.period_s) {  // the law takes it as another one each time
+      Bracket& each_s = facts_.uncertainty.latency_s;
+      each_s = {each_s.least + offset_s.least, each_s.most + offset_s.most};
+      offset_s = {};
+    }
     for (const double share : {0.0, 0.5, 1.0}) {
       worlds_.push_back({offset_s.least + share * (offset_s.most - offset_s.least)});
     }
@@ -310,14 +315,14 @@ class CheckedRun {
   int spent_ = 0;
 };
 
+// Found after 2.7 million ticks: epsilon of Lemma 6 lacked the ripple of the torques on either side of a change.
+TEST(WorstCase, IsNeverLessWhereAnOffsetMovesTheChangeOfTorquesWithRipple) { CheckedRun(10650).play(250); }
+
 TEST(WorstCase, IsNeverLessThanTheExactLawBelievesAndEqualWhereNoKnotIsLeftOut) {
   constexpr int kTicksOfARun = 250;
   long equal = 0;
   long spent = 0;
   long ticks = 0;
-// Found after 2.7 million ticks: epsilon of Lemma 6 lacked the ripple of the torques on either side of a change.
-TEST(WorstCase, IsNeverLessWhereAnOffsetMovesTheChangeOfTorquesWithRipple) { CheckedRun(10650).play(250); }
-
   for (std::uint64_t seed = 1; ticks < FORCEBOUND_WORST_CASE_TICKS; ++seed, ticks += kTicksOfARun) {
     SCOPED_TRACE(seed);
     CheckedRun run(seed);

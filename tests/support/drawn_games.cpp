@@ -62,7 +62,7 @@ DeviceTruth truth_beyond_facts(std::uint64_t seed) {
   truth.impossible_intervals = draw.one_of({0, 0, 0.1});
   truth.effects_reported = draw.one_of({0, 0, 1}) > 0;
   truth.releases_reported = draw.one_of({0, 1}) > 0;
-  if (truth.actuator_lag_s == 0) truth.latency_offset_s = {0, draw.one_of({0, 0, 50e-6, 300e-6})};
+  truth.latency_offset_s = {0, draw.one_of({0, 0, 50e-6, 300e-6})};
   truth.torque_gain_share = {-draw.one_of({0, 0, 0.03, 0.1}), draw.one_of({0, 0, 0.03, 0.1})};
   truth.losses_with_gain = draw.one_of({0, 1}) > 0;
   return truth;

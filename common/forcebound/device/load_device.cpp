@@ -130,11 +130,6 @@ control::Uncertainty read_uncertainty(config::CheckedTable section, const contro
   uncertainty.torque_ripple_share = read_ripple(section);
   uncertainty.actuator_lag_s =
       section.number({.key = "actuator_lag_s", .preset = 0, .least = 0, .most = kLatencyMax_s});
-  const control::Bracket& offset_s = uncertainty.latency_offset_s;
-  if (uncertainty.actuator_lag_s > 0 && offset_s.least < offset_s.most) {
-    section.refuse("latency_offset_s",
-                   "one number twice with an actuator_lag_s; what is not known of it belongs to latency_s");
-  }
   section.refuse_unknown_keys();
   return uncertainty;
 }

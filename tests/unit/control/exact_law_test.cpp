@@ -152,6 +152,30 @@ TEST(ExactLaw, ReservesForEachStageOfTheRelease) {
   EXPECT_GE(law.energy_J(), 0);
 }
 
+/// What is left after forces that follow the motion, with a latency that is longer by up to 0.5 ms: by one constant, or
+/// by another one each time.
+double energy_with_unknown_latency_J(bool constant, double lag_s, double most_s) {
+  DeviceFacts facts = ideal(vector({30}));
+  facts.latency_s = 1e-4;
+  facts.uncertainty.actuator_lag_s = lag_s;
+  (constant ? facts.uncertainty.latency_offset_s : facts.uncertainty.latency_s) = {0, most_s};
+  ExactLaw law(facts, EnergyMemory::full);
+  law.receive_energy(1);
+  for (int n = 0; n < 50; ++n) {
+    Motion motion = motion_to(vector({1e-3 * std::sin(0.3 * n)}));
+    motion.latency_s = motion.latency_s_max = facts.latency_s;
+    law.credit(motion);
+    law.commit(law.bound(vector({-3 * std::sin(0.7 * n)})));
+  }
+  return law.energy_J();
+}
+
+TEST(ExactLaw, AConstantLatencyNeverCostsMoreThanAnotherOneEachTime) {
+  EXPECT_GT(energy_with_unknown_latency_J(true, 0, 3e-4), energy_with_unknown_latency_J(false, 0, 3e-4));
+  EXPECT_EQ(energy_with_unknown_latency_J(true, 0, 5e-4), energy_with_unknown_latency_J(false, 0, 5e-4)) << "too wide";
+  EXPECT_EQ(energy_with_unknown_latency_J(true, 1e-4, 1e-4), energy_with_unknown_latency_J(false, 1e-4, 1e-4)) << "lag";
+}
+
 // In a singular configuration no force needs energy, but if the next write fails the last one goes on.
 TEST(ExactLaw, GivesUpNothingThatTheForceInEffectCanStillTake) {
   DeviceFacts facts = ideal(vector({30}));
@@ -459,6 +483,12 @@ TEST(ExactLaw, RefusesADeviceItCannotKeepPassive) {
   EXPECT_THAT(refusal([](DeviceFacts& f) { f.release_share = 1.5; }), HasSubstr("must be 0 to 1, got 1.5"));
   EXPECT_THAT(refusal([](DeviceFacts& f) { f.release_s = -1; }), HasSubstr("time of release must be >= 0 s, got -1"));
   EXPECT_THAT(refusal([](DeviceFacts& f) {
+                f.releases = false;
+                f.release_share = 0.5;
+                f.release_s = 1e-3;
+              }),
+              HasSubstr("share of a force at its release must be 0 where the device does not release, got 0.5"));
+  EXPECT_THAT(refusal([](DeviceFacts& f) {
                 f.uncertainty.stamp_s = {1e-3, -1e-3};
               }),
               HasSubstr("uncertainty of stamps must be two times [s], least first, got 0.001 to -0.001"));
@@ -482,12 +512,6 @@ TEST(ExactLaw, RefusesADeviceItCannotKeepPassive) {
                 f.uncertainty.hold_s = {-1e-3, 0};
               }),
               HasSubstr("hold time must be > 0 s at the least, got 0"));
-  EXPECT_THAT(refusal([](DeviceFacts& f) {
-                f.releases = false;
-                f.release_share = 0.5;
-                f.release_s = 1e-3;
-              }),
-              HasSubstr("share of a force at its release must be 0 where the device does not release, got 0.5"));
 }
 
 }  // namespace

@@ -172,8 +172,6 @@ TEST(ParseDevice, RefusesBoundsThatNoDeviceCanHave) {
   EXPECT_THAT(with("latency_s = [-1e-5, 0]\n"), HasSubstr("or a force would take effect before its command"));
   EXPECT_THAT(with("latency_offset_s = [-1e-5, 0]\n"),
               HasSubstr("latency_offset_s must be no less than minus the least latency"));
-  EXPECT_THAT(with("latency_offset_s = [0, 1e-5]\nactuator_lag_s = 1e-4\n"),
-              HasSubstr("latency_offset_s must be one number twice with an actuator_lag_s"));
   EXPECT_THAT(with("damping_share = 1\n"), HasSubstr("damping_share must be a share >= 0 and < 1, got 1"));
   EXPECT_THAT(with("torque_ripple_share = -0.1\n"), HasSubstr("torque_ripple_share must be >= 0, got -0.1"));
   EXPECT_THAT(with("torque_share = 0.1\ntorque_ripple_share = 0.1\n"),

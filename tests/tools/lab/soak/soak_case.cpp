@@ -225,7 +225,7 @@ void draw_flaws(SoakCase& drawn, Draw draw) {
   flaws.torque_gain_share = {-draw.one_of({0.0, 0.0, 0.03, 0.1}), draw.one_of({0.0, 0.03, 0.1})};
   flaws.torque_ripple_share = draw.one_of({0.0, 0.01, 0.05});
   flaws.actuator_lag_s = draw.one_of({0.0, 0.0, 1e-4, 5e-4});
-  if (flaws.actuator_lag_s == 0) flaws.latency_offset_s = {0, draw.one_of({0.0, 5e-5, 3e-4})};
+  flaws.latency_offset_s = {0, draw.one_of({0.0, 5e-5, 3e-4})};
   flaws.failed_writes = draw.one_of({0.0, 0.0, 0.01});
   flaws.failures_reported = draw.chance(0.8);
   flaws.releases_reported = draw.chance(0.5);
