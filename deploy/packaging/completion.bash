@@ -29,7 +29,7 @@ _forcebound() {
     if [[ -n $names ]]; then
       mapfile -t COMPREPLY < <(compgen -W "$names" -- "$cur")
       # A name, or a file.
-      if [[ $type == *FILE* || $prev == --device ]]; then _filedir toml; fi
+      if [[ $type =~ FILE\.([a-z]+) ]]; then _filedir "${BASH_REMATCH[1]}"; fi
       return
     fi
     case $type in

@@ -191,7 +191,7 @@ std::string footer() {
 
 void add_session(CLI::App& command, AccuracyOptions& options) {
   command.add_option("--law", options.session.law, "as the client's")
-      ->type_name("LAW")
+      ->type_name("LAW|FILE.so")
       ->transform(known_law())
       ->capture_default_str();
   command.add_option("--hold", options.hold_ms, "age up to which a force is applied unchanged, as in the client")

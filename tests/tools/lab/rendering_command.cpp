@@ -182,7 +182,7 @@ void add_rendering(CLI::App& app) {
       "rendering", "Displayed stiffness and error of scenes, rendered at the server and at the client");
   command->add_option("--law", options->settings.law, "law that bounds the force")
       ->transform(known_law())
-      ->type_name("LAW")
+      ->type_name("LAW|FILE.so")
       ->capture_default_str();
   command->add_option("--seeds", options->settings.seeds, "runs for each scene and condition")
       ->check(program::whole_within(1, 1000))

@@ -77,7 +77,7 @@ void add_device_and_law(CLI::App& app, Options& options, Typed& typed) {
       ->type_name("HZ");
   app.add_option("--law", options.client.law, "law that bounds the force, see below")
       ->transform(program::replaced_by(law_plugin::law_of_option))
-      ->type_name("LAW")
+      ->type_name("LAW|FILE.so")
       ->capture_default_str();
   app.add_option("--law-parameters", options.law_parameters, "a table for each law: [vc], coupling_N_per_m = 40000")
       ->check(program::not_empty())
@@ -85,7 +85,7 @@ void add_device_and_law(CLI::App& app, Options& options, Typed& typed) {
   app.add_option("--law-help", options.law_help,
                  "explain this law, its parameters and their values for --device, and end")
       ->transform(program::replaced_by(law_plugin::law_of_option))
-      ->type_name("LAW");
+      ->type_name("LAW|FILE.so");
   app.add_option("--memory", typed.memory,
                  "energy that fba-exact may store: as much as the largest force can need, or all")
       ->check(program::one_of("memory", {"capped", "full"}))

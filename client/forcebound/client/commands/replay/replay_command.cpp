@@ -129,7 +129,7 @@ void add_replay(CLI::App& program) {
       "    --input press.csv --output bounded.csv");
   command->add_option("--law", options.law, "law to run, see below")
       ->required()
-      ->type_name("LAW")
+      ->type_name("LAW|FILE.so")
       ->transform(program::replaced_by(law_plugin::law_of_option));
   command
       ->add_option("--law-parameters", arguments->law_parameters,
