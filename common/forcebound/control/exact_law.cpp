@@ -87,21 +87,6 @@ void check(const DeviceFacts& facts) {
   check(facts.uncertainty, facts);
 }
 
-/// The facts as the ledgers take them. A constant is a case of a time that may be another one at each effect. So an
-/// offset of which this costs less, or for which Lemma 6 does not hold, counts as that: one so wide that effects lie on
-/// either side of a reading, and one with a lag of the actuator.
-DeviceFacts with_narrow_offset(DeviceFacts facts) {
-  constexpr double kPeriodsMost = 0.4;
-  Bracket& offset_s = facts.uncertainty.latency_offset_s;
-  const double width_s = offset_s.most - offset_s.least;
-  if (width_s > kPeriodsMost * facts.period_s || (width_s > 0 && facts.uncertainty.actuator_lag_s > 0)) {
-    facts.uncertainty.latency_s.least += offset_s.least;
-    facts.uncertainty.latency_s.most += offset_s.most;
-    offset_s = {};
-  }
-  return facts;
-}
-
 }  // namespace
 
 ExactLaw::ExactLaw(const DeviceFacts& facts, EnergyMemory memory, const Spending& spending)
@@ -111,81 +96,52 @@ ExactLaw::ExactLaw(const DeviceFacts& facts, EnergyMemory memory, const Spending
       rotations_(facts.rotations),
       memory_(memory),
       spending_(spending),
-      early_(with_narrow_offset(facts), with_narrow_offset(facts).uncertainty.latency_offset_s.least),
-      jacobian_(Matrix::Identity(dof_, facts.joints())) {
-  const DeviceFacts taken = with_narrow_offset(facts);
-  const Bracket& offset_s = taken.uncertainty.latency_offset_s;
-  if (offset_s.least < offset_s.most) late_.emplace(taken, offset_s.most);
-}
+      ledger_(facts),
+      jacobian_(Matrix::Identity(dof_, facts.joints())) {}
 
 void ExactLaw::credit(const Motion& motion) noexcept {
   FORCEBOUND_ASSERT(motion.joint.rows() == jacobian_.cols(), "a reading has a row for each joint");
   lose(motion);
   jacobian_ = motion.jacobian;
-  each([&](ExactLedger& ledger) { ledger.read(motion.joint); });
-  if (memory_ == EnergyMemory::capped && early_.located()) forget_excess();
+  ledger_.read(motion.joint);
+  if (memory_ == EnergyMemory::capped && ledger_.located()) forget_excess();
 }
 
 void ExactLaw::lose(const Motion& motion) noexcept {
   latency_s_max_ = std::max(0.0, motion.latency_s_max);
   interval_s_ = motion.interval_s;
-  each([&](ExactLedger& ledger) { ledger.pass(motion); });
+  ledger_.pass(motion);
 }
 
-/// Each ledger with what it has left then, but of no more energy than there is for any offset. Proof, Lemma 6: for one
-/// a share l of the way from one end to the other, that is what lies between both ledgers there less 4 l (1 - l) times
-/// `between_J`; the least of it over l counts.
-template <typename Visit>
-void ExactLaw::each_at_effect(double latency_s, Visit visit) const noexcept {
-  ExactLedger::AtEffect early = early_.at_effect(latency_s);
-  if (!late_) return visit(early_, early);
-  ExactLedger::AtEffect late = late_->at_effect(latency_s);
-  const double between_J = std::max(early_.between_J(), late_->between_J());
-  const double left_J = 4 * between_J - std::abs(early.energy_J - late.energy_J);
-  double least_J = std::min(early.energy_J, late.energy_J);
-  if (left_J > 0) least_J -= left_J * (left_J / (16 * between_J));
-  early.energy_J = late.energy_J = least_J;
-  visit(early_, early);
-  visit(*late_, late);
-}
-
-double ExactLaw::energy_J() const noexcept {
-  double energy_J = 0;
-  each_at_effect(latency_s_max_,
-                 [&](const ExactLedger&, const ExactLedger::AtEffect& left) { energy_J = left.energy_J; });
-  return energy_J;
-}
+double ExactLaw::energy_J() const noexcept { return ledger_.at_effect(latency_s_max_).energy_J; }
 
 void ExactLaw::forget_excess() noexcept {
   constexpr double kRoom = 1 + 1e-12;  // rounding shall not bound the largest force
   Vector largest = force_N_max_ * jacobian_.topRows(dof_ - rotations_).colwise().norm().transpose();
   if (rotations_ > 0) largest += torque_N_m_max_ * jacobian_.bottomRows(rotations_).colwise().norm().transpose();
-  const double kept_J = std::min(kRoom * spending_.memory_reserves * early_.needed_J(largest), spending_.memory_J_max);
+  const double kept_J = std::min(kRoom * spending_.memory_reserves * ledger_.needed_J(largest), spending_.memory_J_max);
   // If the write of the next force fails, those told so far go on until their release.
-  const double excess_J = energy_J() - std::max(kept_J, early_.needed_J(early_.largest_held()));
+  const double excess_J = energy_J() - std::max(kept_J, ledger_.needed_J(ledger_.largest_held()));
   if (!(excess_J > 0)) return;
-  each([&](ExactLedger& ledger) { ledger.add_J(-excess_J); });
+  ledger_.add_J(-excess_J);
   given_.add(excess_J);
 }
 
 void ExactLaw::receive_energy(double energy_J) noexcept {
   FORCEBOUND_ASSERT(energy_J >= 0, "energy received is a number and not negative");
-  each([&](ExactLedger& ledger) { ledger.add_J(energy_J); });
+  ledger_.add_J(energy_J);
 }
 
 Vector ExactLaw::bound(const Vector& request_N) noexcept {
   const double largest = request_N.lpNorm<Eigen::Infinity>();
-  if (!(largest > 0) || !early_.located()) {
+  if (!(largest > 0) || !ledger_.located()) {
     shown_share_ = 1;
     return Vector::Zero(dof_);
   }
   // Through its largest component, so that neither 1e300 N nor 1e-300 N leaves the range of a double when squared.
   const Vector direction = request_N / largest;
-  double scale = largest;
-  each_at_effect(latency_s_max_, [&](const ExactLedger& ledger, const ExactLedger::AtEffect& then) {
-    const auto left = ExactLedger::spendable(then);
-    scale = left ? std::min(scale, ledger.largest_scale(jacobian_.transpose() * direction, *left)) : 0.0;
-  });
+  const auto left = ExactLedger::spendable(ledger_.at_effect(latency_s_max_));
+  double scale = left ? std::min(largest, ledger_.largest_scale(jacobian_.transpose() * direction, *left)) : 0.0;
   if (memory_ == EnergyMemory::capped) {
     const double share = std::min(scale / largest, shown_share_ + spending_.rise_per_s * std::max(0.0, interval_s_));
     if (share < scale / largest) scale = share * largest;
@@ -197,18 +153,12 @@ Vector ExactLaw::bound(const Vector& request_N) noexcept {
 bool ExactLaw::allows(const Vector& force_N, double latency_s) const noexcept {
   constexpr double kForceRounding = 1e-12;
   if (force_N.isZero(0)) return true;
-  if (!early_.located()) return false;
+  if (!ledger_.located()) return false;
   const Vector torque = jacobian_.transpose() * force_N * (1 - kForceRounding);
-  bool allowed = true;
-  each_at_effect(latency_s, [&](const ExactLedger& ledger, const ExactLedger::AtEffect& then) {
-    const auto left = ExactLedger::spendable(then);
-    allowed = allowed && left && ledger.needed_J(torque, left->more_at_most) <= left->energy_J;
-  });
-  return allowed;
+  const auto left = ExactLedger::spendable(ledger_.at_effect(latency_s));
+  return left && ledger_.needed_J(torque, left->more_at_most) <= left->energy_J;
 }
 
-void ExactLaw::commit(const Vector& force_N) noexcept {
-  each([&](ExactLedger& ledger) { ledger.commit(jacobian_.transpose() * force_N); });
-}
+void ExactLaw::commit(const Vector& force_N) noexcept { ledger_.commit(jacobian_.transpose() * force_N); }
 
 }  // namespace forcebound::control

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <limits>
-#include <optional>
 
 #include "forcebound/control/device_facts.hpp"
 #include "forcebound/control/energy_sum.hpp"
@@ -87,18 +86,10 @@ class ExactLaw final : public PassivityLaw {
   void receive_energy(double energy_J) noexcept override;
 
   /// ExactLedger::knots_merged
-  [[nodiscard]] bool knots_merged() const noexcept { return early_.knots_merged() || (late_ && late_->knots_merged()); }
+  [[nodiscard]] bool knots_merged() const noexcept { return ledger_.knots_merged(); }
 
  private:
-  template <typename Visit>
-  void each_at_effect(double latency_s, Visit visit) const noexcept;
   void forget_excess() noexcept;
-
-  template <typename Visit>
-  void each(Visit&& visit) noexcept {
-    visit(early_);
-    if (late_) visit(*late_);
-  }
 
   Eigen::Index dof_;  // rows of a force
   double force_N_max_;
@@ -107,8 +98,7 @@ class ExactLaw final : public PassivityLaw {
   EnergyMemory memory_;
   Spending spending_;
 
-  ExactLedger early_;                // with the least offset of the times of effect,
-  std::optional<ExactLedger> late_;  // and the most, unless both are the same
+  ExactLedger ledger_;
   EnergySum given_;
   Matrix jacobian_;
   double latency_s_max_ = 0;

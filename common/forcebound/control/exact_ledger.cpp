@@ -36,7 +36,7 @@ std::array<Joint, kJointsMax> make_joints(const Vector& damping, const Vector& f
 
 }  // namespace
 
-ExactLedger::ExactLedger(const DeviceFacts& facts, double offset_s)
+ExactLedger::ExactLedger(const DeviceFacts& facts)
     : joint_count_(facts.joints()),
       // Proof, A1 and A2: at every instant so much of damping and friction is there.
       joints_(make_joints<Joint>((1 - facts.uncertainty.damping_share) * largest_diagonal_below(facts.damping),
@@ -45,22 +45,17 @@ ExactLedger::ExactLedger(const DeviceFacts& facts, double offset_s)
                                  std::make_index_sequence<kJointsMax>())),
       encoder_half_((0.5 * (1 + kStepRounding) + facts.uncertainty.encoder_steps) * facts.encoder_step),
       period_s_(facts.period_s),
-      times_(facts, offset_s),
+      times_(facts),
       paid_(times_.longest_release()),
       stamp_s_(facts.uncertainty.stamp_s),
-      latency_s_(facts.uncertainty.latency_s),
-      offset_s_(offset_s),
-      other_offsets_s_{facts.uncertainty.latency_offset_s.least - offset_s,
-                       facts.uncertainty.latency_offset_s.most - offset_s},
+      latency_s_(later_than_told(facts.uncertainty)),
       // Proof, A5: what a motor makes of a command is a constant times that, and a ripple.
       gain_(gain_of(facts.uncertainty)),
       ripple_share_(facts.uncertainty.torque_ripple_share),
       lag_s_(facts.uncertainty.actuator_lag_s),
       // Proof, A9: nothing is in effect before the first force.
       held_(joint_count_, lag_s_),
-      latest_mid_(Vector::Zero(joint_count_)),
-      latest_spread_(latest_mid_),
-      committed_(latest_mid_) {}
+      committed_(Vector::Zero(joint_count_)) {}
 
 void ExactLedger::pass(const Motion& motion) noexcept {
   queue_command(motion);
@@ -71,9 +66,6 @@ void ExactLedger::pass(const Motion& motion) noexcept {
   }
   // Proof, A4: so long it was by a true clock, and a reading is of within stamp_s of its stamp.
   const Bracket passed_s = times_.true_time(motion.interval_s);
-  if (!offset_known()) {
-    held_.settle({passed_s.least + stamp_s_.least, passed_s.most + stamp_s_.most}, other_offsets_s_);
-  }
   if (located_) {
     let_act(passed_s.most, std::max(1.0, kIntervalLeastPeriods * period_s_ / motion.interval_s));
   } else if (stamps_.interval_believed()) {
@@ -101,22 +93,12 @@ void ExactLedger::read(const Vector& joint) noexcept {
 void ExactLedger::queue_command(const Motion& motion) noexcept {
   // Proof, A6, A7 and A8: when it takes effect and ends, and that what is not said to have failed is carried out in
   // order.
-  Bracket effect_s = times_.effect(motion);
-  bool settled = times_.effect_is_told(motion);
-  if (!offset_known() && effect_s.least + other_offsets_s_.least < held_.newest_most_s() + other_offsets_s_.most) {
-    // With another constant, this one would be kept in order and that one would not.
-    held_.settle({-ReleaseStages::kNever, ReleaseStages::kNever}, other_offsets_s_);
-    if (!settled) effect_s = {effect_s.least + other_offsets_s_.least, effect_s.most + other_offsets_s_.most};
-    settled = true;
-  }
-  const Bracket begin_s = held_.in_order(effect_s);
-  held_.command(committed_, begin_s, times_.release(motion, begin_s), !motion.write_failed, settled);
+  const Bracket begin_s = held_.in_order(times_.effect(motion));
+  held_.command(committed_, begin_s, times_.release(motion, begin_s), !motion.write_failed);
   committed_.setZero();
 }
 
 void ExactLedger::let_act(double duration_s, double stretch) noexcept {
-  Vector jumps = Vector::Zero(joint_count_);  // of the torque from piece to piece, with the bands of both, together
-  double passed_s = 0;
   held_.each_piece(
       stamp_s_.least, duration_s + stamp_s_.most, [&](const Vector& mid, const Vector& spread, double piece_s) {
         for (Eigen::Index i = 0; i < joint_count_; ++i) {
@@ -124,29 +106,7 @@ void ExactLedger::let_act(double duration_s, double stretch) noexcept {
             return v.hold(gain * mid[i], spread_of(gain * std::abs(mid[i]), gain * spread[i]), piece_s * stretch);
           });
         }
-        if (offset_known()) return;
-        passed_s += piece_s * stretch;
-        if (mid != latest_mid_ || spread != latest_spread_) {
-          for (Eigen::Index i = 0; i < joint_count_; ++i) {
-            jumps[i] += std::abs(mid[i] - latest_mid_[i]) + spread_of(std::abs(mid[i]), spread[i]) +
-                        spread_of(std::abs(latest_mid_[i]), latest_spread_[i]);
-          }
-          latest_mid_ = mid;
-          latest_spread_ = spread;
-        }
       });
-  if (!offset_known()) charge_between(jumps, passed_s);
-}
-
-/// Proof, Lemma 6: by so much at the most an interval's cost with an offset between the ends is below what lies between
-/// the costs with the ends.
-void ExactLedger::charge_between(const Vector& jumps, double passed_s) noexcept {
-  const double half_s = 0.5 * (other_offsets_s_.most - other_offsets_s_.least);
-  for (Eigen::Index i = 0; i < joint_count_; ++i) {
-    const LeastEnergy& most = joint(i).most;
-    const double jump = gain_.most * jumps[i];
-    between_.add(half_s * jump / most.damping() * (half_s * jump / (4 * passed_s) + most.friction()));
-  }
 }
 
 /// Nobody knows how long the forces in effect and on their way have been or will be: each is charged as long as any can
@@ -161,7 +121,7 @@ void ExactLedger::charge_all() noexcept {
       });
       add(i, [&](const LeastEnergy& v, double gain) { return -lag_can_take_J(v, gain * left[i]); });
     }
-    const double over_s = held_.horizon_s() + other_offsets_s_.most + paid_.part_s.most + kLagsUntilNothing * lag_s_;
+    const double over_s = held_.horizon_s() + paid_.part_s.most + kLagsUntilNothing * lag_s_;
     blind_s_ = std::max(blind_s_, over_s - std::min(0.0, stamp_s_.least));
   }
   located_ = false;
@@ -178,7 +138,7 @@ LeastEnergy::Tube ExactLedger::tube(Eigen::Index joint, double reading) const no
 
 /// Proof, A6: the next force takes effect `latency_s` after the reading's stamp, or so much later as the facts allow.
 ExactLedger::AtEffect ExactLedger::at_effect(double latency_s) const noexcept {
-  const double begin_s = std::max(times_.true_time(latency_s).most + latency_s_.most + offset_s_, held_.horizon_s());
+  const double begin_s = std::max(times_.true_time(latency_s).most + latency_s_.most, held_.horizon_s());
   AtEffect result;
   double taken_J = 0;
   double left_J = 0;

@@ -12,11 +12,8 @@
 
 namespace forcebound::control {
 
-/// The least energy that a device can have dissipated beyond what its motors put in, if its forces take effect later
-/// than its facts say by one constant: what ExactLaw keeps for each end of `latency_offset_s`.
-///
-/// Of each joint it is kept for the least and the most gain of the motor. For constants between the ends it is at least
-/// what lies between the ends', less what `between_J` says (proof, Lemmas 5 and 6).
+/// The least energy that a device can have dissipated beyond what its motors put in. Of each joint it is kept for the
+/// least and the most gain of the motor (proof, Lemma 5).
 ///
 /// Torques are given by the joints' rows [N] or [N m]. Real time: noexcept, no allocation; the cost of LeastEnergy for
 /// each joint, each torque in effect in an interval, and each gain. A copy is a saved state.
@@ -31,8 +28,8 @@ class ExactLedger {
     bool lag_leaves = false;  ///< something of earlier torques that friction does not hold
   };
 
-  /// @param facts as ExactLaw accepts them @param offset_s of the bracket `latency_offset_s`
-  ExactLedger(const DeviceFacts& facts, double offset_s);
+  /// @param facts as ExactLaw accepts them
+  explicit ExactLedger(const DeviceFacts& facts);
 
   /// Lets the time since the previous reading pass, and has the torque committed last take effect in it or later.
   void pass(const Motion& motion) noexcept;
@@ -41,10 +38,6 @@ class ExactLedger {
   void read(const Vector& joint) noexcept;
 
   void commit(const Vector& torque) noexcept { committed_ = torque; }
-
-  /// Of offsets between this one and the other end of the bracket, the energy may be less than what lies between both
-  /// ends' by up to this: 4 l (1 - l) of it at a share l of the way (proof, Lemma 6) [J].
-  [[nodiscard]] double between_J() const noexcept { return between_.value_J(); }
 
   /// Energy that came, or was given away: both may be of either sign.
   void add_J(double energy_J) noexcept { energy_.add(energy_J); }
@@ -85,7 +78,6 @@ class ExactLedger {
   };
 
   [[nodiscard]] bool gain_known() const noexcept { return gain_.least == gain_.most; }
-  [[nodiscard]] bool offset_known() const noexcept { return other_offsets_s_ == Bracket{}; }
   [[nodiscard]] const Joint& joint(Eigen::Index i) const noexcept { return joints_[static_cast<std::size_t>(i)]; }
 
   /// Adds to joint i's energy what `change_J(V, gain)` gives for each gain that its motor may have.
@@ -100,7 +92,6 @@ class ExactLedger {
   [[nodiscard]] LeastEnergy::Tube tube(Eigen::Index joint, double reading) const noexcept;
   void queue_command(const Motion& motion) noexcept;
   void let_act(double duration_s, double stretch) noexcept;
-  void charge_between(const Vector& jumps, double passed_s) noexcept;
   void charge_all() noexcept;
   [[nodiscard]] double spread_of(double size, double spread) const noexcept {
     return spread + ripple_share_ * (size + spread);
@@ -117,21 +108,16 @@ class ExactLedger {
   ReleaseStages paid_;  // the stages that the reserve of a force is for
   Bracket stamp_s_;
   Bracket latency_s_;  // beyond what the motion says
-  double offset_s_;
-  Bracket other_offsets_s_;  // from this one
-  Bracket gain_;             // of each motor
+  Bracket gain_;       // of each motor
   double ripple_share_;
   double lag_s_;
 
   EnergySum energy_;      // with the least gain of all motors
-  EnergySum between_;     // with the most
   bool located_ = false;  // V is known
   double blind_s_ = 0;    // so long no force and no credit: the forces in effect are not known
   StampCheck stamps_;
   HeldTorques held_;
-  Vector latest_mid_;     // of the latest piece that has passed, whose changes count where the offset is not known
-  Vector latest_spread_;  // likewise
-  Vector committed_;      // when it takes effect, the next motion tells
+  Vector committed_;  // when it takes effect, the next motion tells
 };
 
 }  // namespace forcebound::control

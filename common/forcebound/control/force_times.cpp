@@ -35,13 +35,17 @@ Bracket after_effect(const Bracket& at_s, const Bracket& begin_s) noexcept {
 
 }  // namespace
 
-ForceTimes::ForceTimes(const DeviceFacts& facts, const std::optional<double>& offset_s) noexcept
+Bracket later_than_told(const Uncertainty& uncertainty) noexcept {
+  const Bracket& each_s = uncertainty.latency_s;
+  const Bracket& constant_s = uncertainty.latency_offset_s;
+  return {each_s.least + constant_s.least, each_s.most + constant_s.most};
+}
+
+ForceTimes::ForceTimes(const DeviceFacts& facts) noexcept
     : longest_release_(stages_of(facts)),
       release_by_facts_(facts.releases ? longest_release_ : ReleaseStages{}),
       stamp_s_(facts.uncertainty.stamp_s),
-      latency_s_(facts.uncertainty.latency_s),
-      offsets_s_(facts.uncertainty.latency_offset_s),
-      offset_s_(offset_s ? Bracket{*offset_s, *offset_s} : offsets_s_),
+      latency_s_(later_than_told(facts.uncertainty)),
       latency_facts_s_(facts.latency_s),
       clock_rate_(1 / (1 - facts.uncertainty.clock_share)) {}
 
@@ -56,8 +60,8 @@ Bracket ForceTimes::later(double shown_s, const Bracket& by_s) const noexcept {
   return {time_s.least + by_s.least, time_s.most + by_s.most};
 }
 
-Bracket ForceTimes::effect_by_facts(const Motion& motion, const Bracket& offset_s) const noexcept {
-  return later(std::max(0.0, motion.latency_s), {latency_s_.least + offset_s.least, latency_s_.most + offset_s.most});
+Bracket ForceTimes::effect_by_facts(const Motion& motion) const noexcept {
+  return later(std::max(0.0, motion.latency_s), latency_s_);
 }
 
 /// When it was commanded, at the earliest.
@@ -69,15 +73,11 @@ bool ForceTimes::before_command(const Motion& motion, const Bracket& reported_s)
   return reported_s.most < commanded(motion) - kTimeRounding_s;
 }
 
-bool ForceTimes::effect_is_told(const Motion& motion) const noexcept {
-  return !std::isnan(motion.effect_s) && is_measurable(motion.interval_s) &&
-         !before_command(motion, later(motion.effect_s, stamp_s_));
-}
-
 Bracket ForceTimes::effect(const Motion& motion) const noexcept {
-  if (!effect_is_told(motion)) return effect_by_facts(motion, offset_s_);
-  const Bracket facts_s = effect_by_facts(motion, offsets_s_);
+  const Bracket facts_s = effect_by_facts(motion);
+  if (std::isnan(motion.effect_s) || !is_measurable(motion.interval_s)) return facts_s;
   Bracket reported_s = later(motion.effect_s, stamp_s_);
+  if (before_command(motion, reported_s)) return facts_s;
   const double commanded_s = std::max(0.0, commanded(motion));
   reported_s = {std::max(reported_s.least, commanded_s), std::max(reported_s.most, commanded_s)};
   if (!apart(reported_s, facts_s)) return reported_s;
@@ -89,7 +89,7 @@ Bracket ForceTimes::effect(const Motion& motion) const noexcept {
 bool ForceTimes::effect_is_outside_facts(const Motion& motion) const noexcept {
   if (std::isnan(motion.effect_s)) return false;
   const Bracket reported_s = later(motion.effect_s, stamp_s_);
-  return before_command(motion, reported_s) || apart(reported_s, effect_by_facts(motion, offsets_s_));
+  return before_command(motion, reported_s) || apart(reported_s, effect_by_facts(motion));
 }
 
 ReleaseStages ForceTimes::release(const Motion& motion, const Bracket& begin_s) const noexcept {

@@ -1,12 +1,14 @@
 #pragma once
 
-#include <optional>
-
 #include "forcebound/control/device_facts.hpp"
 #include "forcebound/control/held_torques.hpp"
 #include "forcebound/control/law.hpp"
 
 namespace forcebound::control {
+
+/// How much longer than the facts' latency a force may take. What is one constant counts as another one each time, of
+/// which it is a case.
+[[nodiscard]] Bracket later_than_told(const Uncertainty& uncertainty) noexcept;
 
 /// When a force took effect and when the device released it, within the brackets that the facts and the device's own
 /// reports leave.
@@ -19,14 +21,10 @@ namespace forcebound::control {
 /// Real time: noexcept, no allocation. A value.
 class ForceTimes {
  public:
-  /// @param offset_s of the bracket `latency_offset_s`; any of it by default
-  explicit ForceTimes(const DeviceFacts& facts, const std::optional<double>& offset_s = std::nullopt) noexcept;
+  explicit ForceTimes(const DeviceFacts& facts) noexcept;
 
   /// When the force took effect; `motion` is the first one after it was committed.
   [[nodiscard]] Bracket effect(const Motion& motion) const noexcept;
-
-  /// Whether that is by the device's report, so that it does not depend on the offset.
-  [[nodiscard]] bool effect_is_told(const Motion& motion) const noexcept;
 
   /// How it is released, if it took effect within `begin_s`.
   [[nodiscard]] ReleaseStages release(const Motion& motion, const Bracket& begin_s) const noexcept;
@@ -45,7 +43,7 @@ class ForceTimes {
 
  private:
   [[nodiscard]] Bracket later(double shown_s, const Bracket& by_s) const noexcept;
-  [[nodiscard]] Bracket effect_by_facts(const Motion& motion, const Bracket& offset_s) const noexcept;
+  [[nodiscard]] Bracket effect_by_facts(const Motion& motion) const noexcept;
   [[nodiscard]] double commanded(const Motion& motion) const noexcept;
   [[nodiscard]] bool before_command(const Motion& motion, const Bracket& reported_s) const noexcept;
   [[nodiscard]] ReleaseStages reported_release(const Bracket& at_s, const Bracket& begin_s) const noexcept;
@@ -54,8 +52,6 @@ class ForceTimes {
   ReleaseStages release_by_facts_;  ///< the same, or never for a device that does not release
   Bracket stamp_s_;
   Bracket latency_s_;       ///< later than the facts' latency says
-  Bracket offsets_s_;       ///< and by one of these,
-  Bracket offset_s_;        ///< which is this, or within this
   double latency_facts_s_;  ///< after the command
   double clock_rate_;       ///< true seconds for one of the clock's at most; at least its inverse
 };

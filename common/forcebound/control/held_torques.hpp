@@ -49,16 +49,9 @@ class HeldTorques {
 
   /// A torque that takes effect within `begin_s`, but never before an earlier one. If it is not `certain`, it may not
   /// take effect at all, and what was in effect before goes on until the device releases it.
-  ///
-  /// @param settled its times do not depend on the constant of `settle`
-  void command(const Vector& torque, const Bracket& begin_s, const ReleaseStages& release, bool certain = true,
-               bool settled = false) noexcept {
-    Held next{.mid = torque,
-              .spread = zero_,
-              .begin_s = in_order(begin_s),
-              .release = release,
-              .plain = true,
-              .settled = settled};
+  void command(const Vector& torque, const Bracket& begin_s, const ReleaseStages& release,
+               bool certain = true) noexcept {
+    Held next{.mid = torque, .spread = zero_, .begin_s = in_order(begin_s), .release = release, .plain = true};
     if (!certain) {
       next.merge(newest());
       next.merge({.mid = zero_, .spread = zero_});
@@ -80,30 +73,8 @@ class HeldTorques {
                         joined(before.release.part_s, next.release.part_s)};
   }
 
-  /// Where all times are later by one more constant, which is within `by_s`: torques of which a time would be before
-  /// `edge_s` with one and after it with another have both from now on, as if the constant were another one each time.
-  void settle(const Bracket& edge_s, const Bracket& by_s) noexcept {
-    for (int i = 0; i <= last_; ++i) {
-      Held& held = at(i);
-      const auto on_edge = [&](double least_s, double most_s) {
-        return least_s + by_s.least < edge_s.most && most_s + by_s.most > edge_s.least;
-      };
-      const ReleaseStages& release = held.release;
-      const bool unclear =
-          on_edge(held.begin_s.least, held.begin_s.most) ||
-          on_edge(held.begin_s.least + release.full_s.least, held.begin_s.most + release.full_s.most) ||
-          on_edge(held.begin_s.least + release.part_s.least, held.begin_s.most + release.part_s.most);
-      if (held.settled || !unclear) continue;
-      held.begin_s = {held.begin_s.least + by_s.least, held.begin_s.most + by_s.most};
-      held.settled = true;
-    }
-  }
-
   /// When the newest one is in effect at the latest [s].
   [[nodiscard]] double horizon_s() const noexcept { return last_ > 0 ? std::max(newest().begin_s.most, 0.0) : 0.0; }
-
-  /// The same, which may be long ago.
-  [[nodiscard]] double newest_most_s() const noexcept { return newest().begin_s.most; }
 
   /// Calls `visit(mid, spread, duration_s)` for each piece of the time from `begin_s` to `end_s` in which the band is
   /// the same, in the order of time.
@@ -161,8 +132,7 @@ class HeldTorques {
     Vector spread;
     Bracket begin_s{};
     ReleaseStages release{};
-    bool plain = false;    ///< no spread
-    bool settled = false;  ///< `settle` leaves it as it is
+    bool plain = false;  ///< no spread
 
     /// Widens the band so that it holds another one's too.
     void merge(const Held& other) noexcept {
