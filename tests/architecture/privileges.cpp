@@ -64,6 +64,7 @@ constexpr Privilege kPrivileges[] = {
       R"(common/forcebound/text/classic_locale\.cpp|)"
       R"(client/forcebound/client/page/live_page\.hpp|server/forcebound/server/session/shared_limits\.hpp|)"
       R"(server/forcebound/server/environment/scene_library\.cpp|)"
+      R"(server/forcebound/server/follower/(follower_thread|robot_guard)\.[ch]pp|)"
       R"(common/forcebound/law_plugin/known_laws\.cpp|)"
       R"(server/forcebound/server/security/moved_keys\.hpp|)"
       R"(common/forcebound/net/(name_lookup\.cpp|peer_link\.hpp))",
@@ -71,7 +72,8 @@ constexpr Privilege kPrivileges[] = {
      "common/forcebound/time/real_time.cpp, common/forcebound/record/idle_thread.hpp, which measures one, the "
      "client's scene_builder.hpp and handshaker.hpp, whose counts "
      "and texts another thread reads, the client's live_page.hpp, which two threads use, "
-     "the server's shared_limits.hpp, moved_keys.hpp and scene_library.cpp, which all workers share, "
+     "the server's shared_limits.hpp, moved_keys.hpp and scene_library.cpp, which all workers share, follower_thread "
+     "and robot_guard, which drive a robot, "
      "common/forcebound/law_plugin/known_laws.cpp, since loaded laws are of the process, "
      "common/forcebound/net/name_lookup.cpp, which waits for name servers, and peer_link.hpp, whose news another "
      "thread takes, common/forcebound/page/page_server.cpp, common/forcebound/text/classic_locale.cpp, since the "
@@ -87,9 +89,11 @@ constexpr Privilege kPrivileges[] = {
      {kShells,
       R"(common/forcebound/net/(internal/)?udp.*|)"
       R"(common/forcebound/time/(steady_clock|periodic_timer|real_time)\.[ch]pp|)"
+      R"(server/forcebound/server/follower/(follower_thread|robot_guard)\.cpp|)"
       R"(common/forcebound/record/idle_thread\.cpp)",
       kCrash, kChild},
      "common/forcebound/time's steady_clock, periodic_timer and real_time, common/forcebound/record/idle_thread.cpp, "
+     "the server's follower_thread and robot_guard, "
      "common/forcebound/driver's crash.cpp and opened_driver.cpp, common/forcebound/child and the shells"},
     {"random numbers without a seed of ours",
      R"(\bstd::random_device\b|\b(std::)?s?rand\(|\bgetrandom\(|\brandombytes|\bfill_with_random\()",

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "forcebound/server/environment/scene_library.hpp"
 #include "forcebound/server/session/server.hpp"
 #include "tests/support/fake_clock.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "forcebound/server/environment/environment.hpp"
+#include "forcebound/server/offer/environment.hpp"
 #include "python/native/arrays.hpp"
 #include "python/native/python_fault.hpp"
 

@@ -1,4 +1,5 @@
 // A server whose scenes may use an effect that Forcebound does not have, and a client that uses it by UDP.
+#include <forcebound/server/environment/scene_library.hpp>
 #include <forcebound/server/runtime/udp_server.hpp>
 
 #include <cmath>

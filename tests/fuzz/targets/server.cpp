@@ -1,5 +1,6 @@
 #include "forcebound/server/session/server.hpp"
 
+#include "forcebound/server/environment/scene_library.hpp"
 #include "tests/fuzz/frame.hpp"
 #include "tests/fuzz/input.hpp"
 #include "tests/support/fake_clock.hpp"

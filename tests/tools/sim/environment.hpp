@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "forcebound/control/vector.hpp"
-#include "forcebound/server/environment/environment.hpp"
+#include "forcebound/server/offer/environment.hpp"
 #include "forcebound/time/clock.hpp"
 
 namespace forcebound::sim {

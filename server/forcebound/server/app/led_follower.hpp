@@ -7,7 +7,7 @@
 #include "forcebound/control/law_registry.hpp"
 #include "forcebound/server/app/follower_options.hpp"
 #include "forcebound/server/app/led_robot.hpp"
-#include "forcebound/server/runtime/follower_thread.hpp"
+#include "forcebound/server/follower/follower_thread.hpp"
 #include "forcebound/time/clock.hpp"
 
 namespace forcebound::server {

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "forcebound/control/law_registry.hpp"
-#include "forcebound/server/environment/environment.hpp"
+#include "forcebound/server/offer/environment.hpp"
 #include "forcebound/time/clock.hpp"
 #include "forcebound/view/description.hpp"
 

@@ -27,6 +27,7 @@
 #include "forcebound/server/app/recording_observer.hpp"
 #include "forcebound/server/app/service_manager.hpp"
 #include "forcebound/server/environment/explain.hpp"
+#include "forcebound/server/environment/scene_library.hpp"
 #include "forcebound/server/runtime/server_workers.hpp"
 #include "forcebound/text/names.hpp"
 #include "forcebound/text/numbers.hpp"
@@ -108,19 +109,13 @@ void ask_for_scheduling() {
 
 /// What clients can request, and what those get that request nothing.
 struct Offer {
-  EnvironmentLibrary environments{};
+  SceneLibrary scenes{};
+  EnvironmentLibrary environments{};  ///< the scenes and the robot
   std::string name{};                 ///< of what is served by default
   std::string simulated{};            ///< in a line
   std::string choice{};               ///< before that, in recordings
   std::unique_ptr<LedRobot> robot{};  ///< null: a scene
 };
-
-/// All that a client can be allowed.
-std::vector<std::string> names_in(const Offer& offer) {
-  std::vector<std::string> names = offer.environments.scenes().all_names();
-  if (offer.robot) names.push_back(offer.name);
-  return names;
-}
 
 /// The file of clients again; the one before stays where it cannot be read.
 void reload(ServerWorkers& server, const ProgramOptions& options, const Offer& offer) {
@@ -130,7 +125,7 @@ void reload(ServerWorkers& server, const ProgramOptions& options, const Offer& o
   }
   std::optional<security::AllowedClients> clients;
   try {
-    clients = security::AllowedClients::from_file(options.keys.clients, names_in(offer));
+    clients = security::AllowedClients::from_file(options.keys.clients, offer.environments.names());
   } catch (const std::exception& error) {
     spdlog::error("{}; the clients are those of before", error.what());
     return;
@@ -245,26 +240,25 @@ class Service {
 /// @throws std::exception if scene or robot are not available
 Offer make_offer(const ProgramOptions& options, const time::Clock& clock) {
   const scene::MeasureCost measure = measured_by(clock);
-  SceneLibrary scenes = SceneLibrary::shipped(scene::Registry::standard(), measure);
-  Offer offer;
+  Offer offer{.scenes = SceneLibrary::shipped(scene::Registry::standard(), measure)};
   if (options.start_robot) {
     offer.robot = options.start_robot(options.server.laws, clock,
                                       options.realtime ? std::optional(kRobotPriority) : std::nullopt);
     EnvironmentKind kind = offer.robot->environment();
     offer.name = kind.name;
     offer.simulated = offer.robot->summary();
-    offer.environments = EnvironmentLibrary(scenes);
+    offer.environments = offer.scenes;
     offer.environments.add(std::move(kind));
   } else {
     const auto scene = build_scene(options, measure);
-    scenes.add(scene);
+    offer.scenes.add(scene);
     offer.name = scene->facts().name;
     offer.simulated = summary(*scene);
     if (scene->accuracy() != nullptr) offer.choice = "accuracy auto, a level for each client; the file's: ";
-    offer.environments = EnvironmentLibrary(scenes);
+    offer.environments = offer.scenes;
   }
   for (const std::string& name : options.server.scenes) {
-    const auto known = scenes.all_names();
+    const auto known = offer.scenes.all_names();
     if (std::ranges::find(known, name) == known.end()) {
       throw std::invalid_argument("--scenes: no scene '" + name + "'" + text::suggestion(name, known));
     }
@@ -281,7 +275,7 @@ std::unique_ptr<LogObserver> make_observer(const ProgramOptions& options, const 
   info.simulated = offer.choice + offer.simulated;
   info.encryption = encryption;
   info.epoch = time::wall_clock_now() - clock.now();
-  RecordingObserver::Scenes scenes{.library = offer.environments.scenes()};
+  RecordingObserver::Scenes scenes{.library = offer.scenes};
   if (!offer.robot) scenes.text = scene_source(options.scene).text;
   return std::make_unique<RecordingObserver>(clock, options.record, info, std::move(scenes));
 }
@@ -344,7 +338,7 @@ int serve(ProgramOptions options) {
   const time::SteadyClock clock;
   Offer offer = make_offer(options, clock);
   options.server.scene = offer.name;
-  std::optional<ServerKeys> keys = read_keys(options.keys, names_in(offer));
+  std::optional<ServerKeys> keys = read_keys(options.keys, offer.environments.names());
   const std::string encryption = encryption_name(keys);
   const std::string encryption_words = encryption_in_words(options.keys, keys);
 

@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "forcebound/scene/scene.hpp"
-#include "forcebound/server/environment/environment.hpp"
+#include "forcebound/server/offer/environment.hpp"
 
 namespace forcebound::server {
 

@@ -1,12 +1,13 @@
 #include "forcebound/server/environment/scene_library.hpp"
 
 #include <algorithm>
-#include <map>
+#include <functional>
 #include <mutex>
 #include <stdexcept>
 #include <utility>
 
 #include "forcebound/config/node.hpp"
+#include "forcebound/server/environment/scene_environment.hpp"
 #include "forcebound/server/environment/shipped_scenes.hpp"
 #include "forcebound/text/file.hpp"
 #include "forcebound/text/names.hpp"
@@ -25,130 +26,93 @@ std::string file_of(const std::string& shipped) { return "scenes/" + shipped + "
 
 }  // namespace
 
-/// What copies of a library have compiled. One is compiled at a time; who wants one that is there waits for none.
-class SceneLibrary::Compiled {
+class SceneLibrary::Shelf {
  public:
-  std::shared_ptr<const scene::Scene> get_or(const std::string& name,
-                                             const std::function<std::shared_ptr<const scene::Scene>()>& compile) {
-    if (auto scene = find(name)) return scene;
+  using Compile = std::function<std::shared_ptr<const scene::Scene>()>;
+  struct Entry {
+    std::string name;
+    Compile compile{};
+    std::shared_ptr<const scene::Scene> scene{};  // null: not yet compiled
+  };
+
+  void put(Entry entry) {
+    const std::lock_guard lock(guard_);
+    const auto known = std::ranges::find(entries_, entry.name, &Entry::name);
+    if (known == entries_.end()) {
+      entries_.push_back(std::move(entry));
+    } else {
+      *known = std::move(entry);
+    }
+  }
+
+  /// Without a scene and a function to compile one: the name is unknown.
+  [[nodiscard]] Entry get(std::string_view name) const {
+    const std::lock_guard lock(guard_);
+    const auto found = std::ranges::find(entries_, name, &Entry::name);
+    return found == entries_.end() ? Entry{} : *found;
+  }
+
+  [[nodiscard]] std::shared_ptr<const scene::Scene> compiled(std::string_view name) {
+    if (const Entry known = get(name); known.scene || !known.compile) return known.scene;
     const std::lock_guard compiling(compiling_);
     // Another may have compiled it meanwhile.
-    if (auto scene = find(name)) return scene;
-    auto scene = compile();
+    Entry entry = get(name);
+    if (entry.scene || !entry.compile) return entry.scene;
+    entry.scene = entry.compile();
+    put(entry);
+    return entry.scene;
+  }
+
+  [[nodiscard]] std::vector<std::string> names() const {
     const std::lock_guard lock(guard_);
-    scenes_[name] = scene;
-    return scene;
+    std::vector<std::string> names;
+    names.reserve(entries_.size());
+    for (const Entry& known : entries_) names.push_back(known.name);
+    return names;
   }
 
  private:
-  [[nodiscard]] std::shared_ptr<const scene::Scene> find(const std::string& name) const {
-    const std::lock_guard lock(guard_);
-    const auto found = scenes_.find(name);
-    return found == scenes_.end() ? nullptr : found->second;
-  }
-
   std::mutex compiling_;
   mutable std::mutex guard_;
-  std::map<std::string, std::shared_ptr<const scene::Scene>> scenes_;
-};
-
-struct SceneLibrary::Shelf {
-  struct Entry {
-    std::string name;
-    std::string_view text{};                      // of a scene that ships
-    std::shared_ptr<const scene::Scene> scene{};  // null: not yet compiled
-    bool coming = false;
-    std::string why_not{};
-  };
-
-  Entry* find(std::string_view name) {
-    const auto found = std::ranges::find(entries, name, &Entry::name);
-    return found == entries.end() ? nullptr : &*found;
-  }
-
-  std::shared_ptr<const scene::Registry> registry{};  // for those that ship
-  scene::MeasureCost measure{};
-  std::function<void(Compilation)> elsewhere{};
-  std::vector<Entry> entries{};
-  std::shared_ptr<Compiled> compiled{};  ///< null: there are no copies
-
-  [[nodiscard]] Compilation compilation_of(const Entry& entry) const {
-    auto compile = [registry = registry, measure = measure, name = entry.name, text = entry.text] {
-      return parse_scene(text, file_of(name), *registry, measure);
-    };
-    if (!compiled) return {entry.name, std::move(compile)};
-    return {entry.name, [compiled = compiled, name = entry.name, compile = std::move(compile)] {
-              return compiled->get_or(name, compile);
-            }};
-  }
+  std::vector<Entry> entries_;
 };
 
 SceneLibrary::SceneLibrary() : shelf_(std::make_shared<Shelf>()) {}
 
 SceneLibrary SceneLibrary::shipped(scene::Registry registry, scene::MeasureCost measure) {
   SceneLibrary library;
-  library.shelf_->registry = std::make_shared<const scene::Registry>(std::move(registry));
-  library.shelf_->measure = std::move(measure);
+  const auto shared = std::make_shared<const scene::Registry>(std::move(registry));
   for (const text::EmbeddedText& scene : shipped_scenes()) {
-    library.shelf_->entries.push_back({.name = std::string(scene.name), .text = scene.text});
+    const std::string name(scene.name);
+    library.shelf_->put({.name = name, .compile = [shared, measure, name, text = scene.text] {
+                           return parse_scene(text, file_of(name), *shared, measure);
+                         }});
   }
   return library;
 }
 
-SceneLibrary SceneLibrary::copy() const {
-  if (!shelf_->compiled) shelf_->compiled = std::make_shared<Compiled>();
-  SceneLibrary other;
-  *other.shelf_ = *shelf_;
-  other.shelf_->elsewhere = {};
-  for (Shelf::Entry& entry : other.shelf_->entries) entry.coming = false;
-  return other;
-}
-
 void SceneLibrary::add(std::shared_ptr<const scene::Scene> scene) {
-  Shelf::Entry* entry = shelf_->find(scene->facts().name);
-  if (entry == nullptr) entry = &shelf_->entries.emplace_back();
-  entry->name = scene->facts().name;
-  entry->scene = std::move(scene);
+  const std::string name = scene->facts().name;
+  shelf_->put({.name = name, .scene = std::move(scene)});
 }
 
-void SceneLibrary::compile_elsewhere(std::function<void(Compilation)> elsewhere) {
-  shelf_->elsewhere = std::move(elsewhere);
-  for (Shelf::Entry& entry : shelf_->entries) entry.coming = false;
-}
+std::shared_ptr<const scene::Scene> SceneLibrary::find(std::string_view name) const { return shelf_->compiled(name); }
 
-void SceneLibrary::give_up(std::string_view name, std::string why) {
-  Shelf::Entry* const entry = shelf_->find(name);
-  if (entry == nullptr) return;
-  entry->coming = false;
-  entry->why_not = std::move(why);
-}
-
-std::shared_ptr<const scene::Scene> SceneLibrary::find(std::string_view name) const {
-  Shelf::Entry* const entry = shelf_->find(name);
-  if (entry == nullptr) return nullptr;
-  if (!entry->scene) entry->scene = shelf_->compilation_of(*entry).compile();
-  return entry->scene;
-}
-
-Requested<scene::Scene> SceneLibrary::request(std::string_view name) const {
-  Shelf::Entry* const entry = shelf_->find(name);
-  if (entry == nullptr || entry->scene || !shelf_->elsewhere) return {.found = find(name)};
-  if (!entry->why_not.empty()) return {.why_not = std::exchange(entry->why_not, {})};
-  if (!std::exchange(entry->coming, true)) shelf_->elsewhere(shelf_->compilation_of(*entry));
-  return {.coming = true};
-}
-
-std::vector<std::string> SceneLibrary::all_names() const {
-  std::vector<std::string> names;
-  names.reserve(shelf_->entries.size());
-  for (const Shelf::Entry& known : shelf_->entries) names.push_back(known.name);
-  return names;
-}
+std::vector<std::string> SceneLibrary::all_names() const { return shelf_->names(); }
 
 std::string SceneLibrary::names() const { return text::join(all_names()); }
 
 std::string SceneLibrary::unknown_scene_text(std::string_view name) const {
   return "no scene '" + text::printable(name) + "'" + text::suggestion(name, all_names());
+}
+
+SceneLibrary::operator EnvironmentLibrary() const {
+  EnvironmentLibrary environments;
+  for (const std::string& name : all_names()) {
+    environments.add_later(
+        {.name = name, .make = [scenes = *this, name] { return scene_environment(scenes.find(name)); }});
+  }
+  return environments;
 }
 
 bool is_scene_file(std::string_view name_or_file) noexcept {

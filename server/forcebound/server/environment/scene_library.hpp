@@ -1,6 +1,5 @@
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -9,22 +8,16 @@
 
 #include "forcebound/scene/scene.hpp"
 #include "forcebound/server/environment/scene_parser.hpp"
+#include "forcebound/server/offer/environment_library.hpp"
 
 namespace forcebound::server {
 
-/// What a library has of a name. All members empty: the name is unknown.
-template <class Wanted>
-struct Requested {
-  std::shared_ptr<const Wanted> found{};
-  bool coming = false;    ///< the scene is being compiled on another thread: retry later
-  std::string why_not{};  ///< reason why the scene did not compile
-};
-
-/// The scenes that clients can request by name. A shipped scene is compiled once, at its first request, so that the
-/// server starts at once: that takes milliseconds, with tissue a tenth of a second, with `accuracy = "auto"` as long as
-/// measuring each level takes.
+/// The scenes that ship and those that a program adds, by name. A scene that ships is compiled once, at its first
+/// request: that takes milliseconds, with tissue a tenth of a second, with `accuracy = "auto"` as long as measuring
+/// each level takes.
 ///
-/// Copies share one library. Not thread-safe.
+/// Copies share one library. Thread-safe: scenes are compiled one at a time; who wants one that is not compiled waits,
+/// one that is, is found at once.
 class SceneLibrary {
  public:
   SceneLibrary();
@@ -33,32 +26,12 @@ class SceneLibrary {
   /// @param measure as parse_scene's
   static SceneLibrary shipped(scene::Registry registry = scene::Registry::standard(), scene::MeasureCost measure = {});
 
-  /// Another library of the same scenes, for another thread. Each scene that ships is still compiled once, for all
-  /// copies, and one at a time: who wants one that is not compiled waits; one that is, is found at once.
-  [[nodiscard]] SceneLibrary copy() const;
-
   /// Replaces a scene of the same name, also a shipped one.
   void add(std::shared_ptr<const scene::Scene> scene);
 
-  /// The compilation of one scene. It does not touch the library, so another thread may run it.
-  struct Compilation {
-    std::string name;
-    std::function<std::shared_ptr<const scene::Scene>()> compile;  ///< @throws SceneError if it does not compile
-  };
-
-  /// From now on `request` passes each compilation to `elsewhere` and does not wait for it. The receiver passes the
-  /// result to `add`, or the failure to `give_up`. Compilations passed to an earlier `elsewhere` are forgotten: the
-  /// next request starts them again. With an empty function `request` compiles at once and waits.
-  void compile_elsewhere(std::function<void(Compilation)> elsewhere);
-
-  /// The compilation failed. The next request reports `why`; the one after retries.
-  void give_up(std::string_view name, std::string why);
-
   /// Null if the name is unknown. Never opens files, because the name may come from a client.
+  /// @throws SceneError if it does not compile
   [[nodiscard]] std::shared_ptr<const scene::Scene> find(std::string_view name) const;
-
-  /// As `find`, without waiting for a compilation if `compile_elsewhere` was called.
-  [[nodiscard]] Requested<scene::Scene> request(std::string_view name) const;
 
   [[nodiscard]] std::vector<std::string> all_names() const;
 
@@ -68,10 +41,12 @@ class SceneLibrary {
   /// "no scene 'spere', did you mean 'sphere'? (known: box, circle, ...)".
   [[nodiscard]] std::string unknown_scene_text(std::string_view name) const;
 
- private:
-  class Compiled;
-  struct Shelf;
+  /// Every scene that is in it now, as an environment that is made when it is requested. Implicit, so that a
+  /// SceneLibrary can be passed to a server directly.
+  operator EnvironmentLibrary() const;  // NOLINT(google-explicit-constructor)
 
+ private:
+  class Shelf;
   std::shared_ptr<Shelf> shelf_;
 };
 

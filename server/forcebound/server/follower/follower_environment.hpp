@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "forcebound/server/environment/environment.hpp"
 #include "forcebound/server/follower/follower.hpp"
 #include "forcebound/server/follower/follower_appearance.hpp"
+#include "forcebound/server/offer/environment.hpp"
 
 namespace forcebound::server {
 

@@ -80,10 +80,10 @@ UdpServer::UdpServer(net::UdpLink link, const ServerOptions& options, const Envi
                      std::span<const std::unique_ptr<WorkerMail>> mail, MovedKeys* moved)
     : link_(std::move(link)),
       secure_(secured(std::move(keys), options, moved, batch_, clock_, observer)),
-      compiler_(environments.scenes(),
-                [observer](std::string_view scene, std::string_view why) {
-                  if (observer != nullptr) observer->on_scene_failed(scene, why);
-                }),
+      maker_(environments,
+             [observer](std::string_view scene, std::string_view why) {
+               if (observer != nullptr) observer->on_scene_failed(scene, why);
+             }),
       server_(options, environments, secure_ ? static_cast<net::DatagramLink&>(*secure_) : batch_, clock_,
               random_session_id, observer),
       timer_(clock_.now() + kTimerPeriod),
@@ -101,7 +101,7 @@ void UdpServer::turn() {
   const bool work_waits = mail_waits || (secure_ && secure_->has_waiting());
   const auto arrived = work_waits ? batch_.receive_all() : batch_.wait_for_some();
   update_busy(clock_.now() - before);
-  unless_out_of_memory([this] { compiler_.deliver(); });
+  unless_out_of_memory([this] { maker_.deliver(); });
   if (!arrived.empty()) receive(arrived);
   if (!mail_.empty()) receive_mail();
   answer_all();
@@ -290,9 +290,9 @@ void UdpServer::receive_handed(Nanoseconds now) {
 }
 
 void UdpServer::publish_figures() {
-  if (mail_.empty()) return;
   Figures figures{.counters = server_.counters(),
                   .secure = secure_ ? secure_->counters() : SecureCounters{},
+                  .sessions = server_.sessions(),
                   .busy = server_.busy(),
                   .overflowed = link_.counters().overflowed,
                   .handed_over = handed_over_,

@@ -12,7 +12,7 @@
 #include "forcebound/net/endpoint.hpp"
 #include "forcebound/net/udp_batch.hpp"
 #include "forcebound/net/udp_link.hpp"
-#include "forcebound/server/runtime/scene_compiler.hpp"
+#include "forcebound/server/runtime/environment_maker.hpp"
 #include "forcebound/server/runtime/worker_mail.hpp"
 #include "forcebound/server/security/secure_link.hpp"
 #include "forcebound/server/session/server.hpp"
@@ -35,7 +35,7 @@ net::UdpLink listen_at(const net::Address& address);
 /// With keys, all sessions are encrypted, and none begins in the clear (secure_link.hpp).
 ///
 /// Single-threaded: environments and the observer are called in the thread that calls `turn` or `run`. A second thread
-/// of its own compiles newly requested scenes meanwhile.
+/// of its own makes newly requested environments meanwhile.
 ///
 /// Real time: a turn with motions alone allocates nothing and waits only for datagrams. Motions are answered before
 /// handshakes, of which a turn makes one: however many ask, that delays the answers of all by about 0.2 ms.
@@ -81,6 +81,7 @@ class UdpServer {
   struct Figures {
     ServerCounters counters{};
     SecureCounters secure{};
+    std::size_t sessions = 0;
     double busy = 0;
     std::uint64_t overflowed = 0;       ///< dropped by the system because the socket's buffer was full
     std::uint64_t handed_over = 0;      ///< to other workers
@@ -120,7 +121,7 @@ class UdpServer {
   net::UdpLink link_;
   net::UdpBatch batch_{link_};
   std::unique_ptr<SecureLink> secure_;  ///< null: in the clear
-  SceneCompiler compiler_;
+  EnvironmentMaker maker_;
   Server server_;
   Nanoseconds timer_;
   // Since `busy_since_`, what came, and the time that was spent waiting.

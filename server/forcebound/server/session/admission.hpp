@@ -10,7 +10,7 @@
 #include <utility>
 #include <variant>
 
-#include "forcebound/server/environment/environment_library.hpp"
+#include "forcebound/server/offer/environment_library.hpp"
 #include "forcebound/server/session/capacity.hpp"
 #include "forcebound/server/session/client_rights.hpp"
 #include "forcebound/server/session/memory_budget.hpp"

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string>
 
-#include "forcebound/server/environment/environment.hpp"
+#include "forcebound/server/offer/environment.hpp"
 #include "forcebound/wire/malformed.hpp"
 
 namespace forcebound::server {

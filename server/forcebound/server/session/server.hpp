@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "forcebound/net/datagram_link.hpp"
-#include "forcebound/server/environment/environment_library.hpp"
+#include "forcebound/server/offer/environment_library.hpp"
 #include "forcebound/server/session/admission.hpp"
 #include "forcebound/server/session/answerer.hpp"
 #include "forcebound/server/session/capacity.hpp"

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "forcebound/control/server_side_law.hpp"
-#include "forcebound/server/environment/environment.hpp"
+#include "forcebound/server/offer/environment.hpp"
 #include "forcebound/server/session/anti_amplification_limit.hpp"
 #include "forcebound/server/session/compute_share.hpp"
 #include "forcebound/server/session/counters.hpp"

@@ -6,7 +6,7 @@
 #include <memory>
 #include <optional>
 
-#include "forcebound/server/environment/environment.hpp"
+#include "forcebound/server/offer/environment.hpp"
 #include "forcebound/time/clock.hpp"
 #include "forcebound/time/token_bucket.hpp"
 #include "forcebound/view/description.hpp"

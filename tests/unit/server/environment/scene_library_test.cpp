@@ -82,39 +82,6 @@ TEST(SceneLibrary, TheOwnersSceneReplacesAShippedOne) {
   EXPECT_EQ(library.names(), SceneLibrary::shipped().names());
 }
 
-TEST(SceneLibrary, RequestReturnsAtOnceWhileASceneIsCompiledElsewhere) {
-  SceneLibrary library = SceneLibrary::shipped();
-  std::vector<SceneLibrary::Compilation> wanted;
-  library.compile_elsewhere([&](SceneLibrary::Compilation what) { wanted.push_back(std::move(what)); });
-  for (int i = 0; i < 3; ++i) {
-    const auto requested = library.request("sphere");
-    EXPECT_TRUE(requested.coming);
-    EXPECT_EQ(requested.found, nullptr);
-  }
-  ASSERT_EQ(wanted.size(), 1U);
-  EXPECT_EQ(wanted.front().name, "sphere");
-  const auto compiled = wanted.front().compile();
-  library.add(compiled);
-  EXPECT_EQ(library.request("sphere").found, compiled);
-  EXPECT_FALSE(library.request("sphere").coming);
-  EXPECT_FALSE(library.request("no such scene").coming);
-  EXPECT_EQ(wanted.size(), 1U);
-}
-
-TEST(SceneLibrary, AFailedCompilationIsReportedOnceAndThenRetried) {
-  SceneLibrary library = SceneLibrary::shipped();
-  int asked = 0;
-  library.compile_elsewhere([&](const SceneLibrary::Compilation&) { ++asked; });
-  EXPECT_TRUE(library.request("sphere").coming);
-  library.give_up("sphere", "no memory");
-  const auto told = library.request("sphere");
-  EXPECT_EQ(told.why_not, "no memory");
-  EXPECT_FALSE(told.coming);
-  EXPECT_EQ(asked, 1);
-  EXPECT_TRUE(library.request("sphere").coming);
-  EXPECT_EQ(asked, 2);
-}
-
 /// It would never return if the one scene waited for the other's compilation.
 TEST(SceneLibrary, FindsWhatACopyHasCompiledWhileAnotherIsBeingCompiled) {
   SceneLibrary library;
@@ -124,7 +91,7 @@ TEST(SceneLibrary, FindsWhatACopyHasCompiledWhileAnotherIsBeingCompiled) {
     return 1e-6;
   };
   library = SceneLibrary::shipped(scene::Registry::standard(), measure);
-  const SceneLibrary copy = library.copy();
+  const SceneLibrary copy = library;
   const auto sphere = copy.find("sphere");
   ASSERT_NE(copy.find("soft_pad"), nullptr) << "each of whose levels is measured";
   EXPECT_EQ(found, sphere);

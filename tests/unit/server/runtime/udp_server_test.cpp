@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "forcebound/server/environment/scene_library.hpp"
 #include "tests/support/vector_of.hpp"
 #include "tests/unit/server/runtime/askers.hpp"
 
@@ -58,38 +59,39 @@ TEST(UdpServer, TwoCannotHaveOneAddress) {
   EXPECT_THROW((void)listen({"127.0.0.1", server.address().port}), std::runtime_error);
 }
 
-/// The result of a request after the compiler has finished.
-Requested<scene::Scene> request_until_done(const SceneLibrary& scenes, SceneCompiler& compiler, std::string_view name) {
-  Requested<scene::Scene> requested = scenes.request(name);
+/// The result of a request after the maker has finished.
+EnvironmentLibrary::Requested request_until_done(const EnvironmentLibrary& library, EnvironmentMaker& maker,
+                                                 std::string_view name) {
+  EnvironmentLibrary::Requested requested = library.request(name);
   while (requested.coming) {
     std::this_thread::yield();
-    compiler.deliver();
-    requested = scenes.request(name);
+    maker.deliver();
+    requested = library.request(name);
   }
   return requested;
 }
 
-TEST(SceneCompiler, CompilesWhatIsAskedForAndLeavesTheLibraryToItselfWhenItEnds) {
-  const SceneLibrary scenes = SceneLibrary::shipped();
+TEST(EnvironmentMaker, MakesWhatIsAskedForAndLeavesTheLibraryToItselfWhenItEnds) {
+  const EnvironmentLibrary scenes = SceneLibrary::shipped();
   {
-    SceneCompiler compiler(scenes, [](std::string_view, std::string_view why) { ADD_FAILURE() << why; });
-    const auto requested = request_until_done(scenes, compiler, "wall");
+    EnvironmentMaker maker(scenes, [](std::string_view, std::string_view why) { ADD_FAILURE() << why; });
+    const auto requested = request_until_done(scenes, maker, "wall");
     ASSERT_NE(requested.found, nullptr);
-    EXPECT_EQ(requested.found->facts().name, "wall");
+    EXPECT_EQ(requested.found->name, "wall");
     EXPECT_TRUE(scenes.request("sphere").coming);
   }
-  EXPECT_NE(scenes.request("sphere").found, nullptr) << "compiled while its asker waits";
+  EXPECT_NE(scenes.request("sphere").found, nullptr) << "made while its asker waits";
 }
 
-TEST(SceneCompiler, TellsWhichSceneItCannotCompileAndWhy) {
-  const SceneLibrary scenes = SceneLibrary::shipped(scene::Registry{});  // no effect is known
+TEST(EnvironmentMaker, TellsWhichSceneItCannotCompileAndWhy) {
+  const EnvironmentLibrary scenes = SceneLibrary::shipped(scene::Registry{});  // no effect is known
   std::string failed;
   std::string reason;
-  SceneCompiler compiler(scenes, [&](std::string_view scene, std::string_view why) {
+  EnvironmentMaker maker(scenes, [&](std::string_view scene, std::string_view why) {
     failed = scene;
     reason = why;
   });
-  const auto requested = request_until_done(scenes, compiler, "wall");
+  const auto requested = request_until_done(scenes, maker, "wall");
   EXPECT_EQ(requested.found, nullptr);
   EXPECT_EQ(failed, "wall");
   EXPECT_EQ(requested.why_not, reason);

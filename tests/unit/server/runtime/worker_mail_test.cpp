@@ -6,6 +6,7 @@
 #include <memory>
 #include <new>
 
+#include "forcebound/server/environment/scene_library.hpp"
 #include "forcebound/server/runtime/udp_server.hpp"
 
 namespace forcebound::server {

@@ -1,5 +1,6 @@
 #include "forcebound/server/session/admission.hpp"
 
+#include "forcebound/server/environment/scene_library.hpp"
 #include "tests/unit/server/session/parts_fixture.hpp"
 
 namespace forcebound::server {

@@ -4,6 +4,7 @@
 #include <new>
 #include <stdexcept>
 
+#include "forcebound/server/environment/scene_library.hpp"
 #include "tests/support/allocation_guard.hpp"
 #include "tests/support/sample_local_model.hpp"
 #include "tests/support/special_numbers.hpp"

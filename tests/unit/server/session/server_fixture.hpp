@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "forcebound/server/environment/scene_library.hpp"
 #include "forcebound/server/session/server.hpp"
 #include "tests/support/fake_clock.hpp"
 #include "tests/support/fake_link.hpp"

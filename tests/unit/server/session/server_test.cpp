@@ -40,9 +40,9 @@ TEST_F(ServerTest, SameNonceFromTheSameAddressIsTheSameSession) {
 }
 
 TEST_F(ServerTest, AHelloBeforeItsSceneIsCompiledIsToBeRepeated) {
-  SceneLibrary scenes = SceneLibrary::shipped();
+  EnvironmentLibrary scenes = SceneLibrary::shipped();
   (void)scenes.find("wall");
-  scenes.compile_elsewhere([](const SceneLibrary::Compilation&) {});
+  scenes.make_elsewhere([](const EnvironmentLibrary::Later&) {});
   start({}, scenes);
   auto question = hello();
   question.scene = "free";
@@ -55,9 +55,9 @@ TEST_F(ServerTest, AHelloBeforeItsSceneIsCompiledIsToBeRepeated) {
 }
 
 TEST_F(ServerTest, RefusesASceneThatDoesNotCompileWithTheReason) {
-  SceneLibrary scenes = SceneLibrary::shipped();
+  EnvironmentLibrary scenes = SceneLibrary::shipped();
   (void)scenes.find("wall");
-  scenes.compile_elsewhere([&](const SceneLibrary::Compilation& wanted) { scenes.give_up(wanted.name, "no memory"); });
+  scenes.make_elsewhere([&](const EnvironmentLibrary::Later& wanted) { scenes.give_up(wanted.name, "no memory"); });
   start({}, scenes);
   auto question = hello();
   question.scene = "free";

@@ -1,4 +1,4 @@
-#include "forcebound/server/runtime/scene_compiler.hpp"
+#include "forcebound/server/runtime/environment_maker.hpp"
 
 #include <exception>
 #include <new>
@@ -6,31 +6,31 @@
 
 namespace forcebound::server {
 
-SceneCompiler::SceneCompiler(SceneLibrary library,
-                             std::function<void(std::string_view scene, std::string_view why)> failed)
+EnvironmentMaker::EnvironmentMaker(EnvironmentLibrary library,
+                                   std::function<void(std::string_view name, std::string_view why)> failed)
     : library_(std::move(library)),
       failed_(std::move(failed)),
       thread_([this](const std::stop_token& stop) { run(stop); }) {
-  library_.compile_elsewhere([this](SceneLibrary::Compilation compilation) {
+  library_.make_elsewhere([this](EnvironmentLibrary::Later later) {
     {
       const std::lock_guard lock(guard_);
-      wanted_.push_back(std::move(compilation));
+      wanted_.push_back(std::move(later));
     }
     wanted_changed_.notify_one();
   });
 }
 
-SceneCompiler::~SceneCompiler() { library_.compile_elsewhere({}); }
+EnvironmentMaker::~EnvironmentMaker() { library_.make_elsewhere({}); }
 
-void SceneCompiler::deliver() {
+void EnvironmentMaker::deliver() {
   std::list<Outcome> outcomes;
   {
     const std::lock_guard lock(guard_);
     outcomes.swap(outcomes_);
   }
   for (Outcome& outcome : outcomes) {
-    if (outcome.scene) {
-      library_.add(std::move(outcome.scene));
+    if (outcome.made) {
+      library_.store(outcome.name, *std::move(outcome.made));
       continue;
     }
     failed_(outcome.name, outcome.why_not);
@@ -38,21 +38,21 @@ void SceneCompiler::deliver() {
   }
 }
 
-void SceneCompiler::run(const std::stop_token& stop) {
+void EnvironmentMaker::run(const std::stop_token& stop) {
   while (true) {
-    SceneLibrary::Compilation compilation;
+    EnvironmentLibrary::Later later;
     {
       std::unique_lock lock(guard_);
       if (!wanted_changed_.wait(lock, stop, [this] { return !wanted_.empty(); }) || stop.stop_requested()) return;
-      compilation = std::move(wanted_.front());
+      later = std::move(wanted_.front());
       wanted_.pop_front();
     }
     std::list<Outcome> outcome(1);
-    outcome.front().name = compilation.name;
+    outcome.front().name = later.name;
     std::string no_memory = "there is not enough memory";
     try {
       try {
-        outcome.front().scene = compilation.compile();
+        outcome.front().made = later.make();
       } catch (const std::bad_alloc&) {
         throw;
       } catch (const std::exception& error) {

@@ -1,12 +1,12 @@
-#include "forcebound/server/environment/environment_library.hpp"
+#include "forcebound/server/environment/scene_environment.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <stdexcept>
+#include <string>
 
-#include "forcebound/server/environment/scene_environment.hpp"
+#include "forcebound/server/environment/scene_library.hpp"
 #include "tests/support/auto_scene.hpp"
 
 namespace forcebound::server {
@@ -28,7 +28,7 @@ double force_N(const EnvironmentKind& kind, double x_m) {
   return made.environment->respond({.position = position}).force[0];
 }
 
-TEST(EnvironmentLibrary, MakesASceneAnEnvironmentWithTheScenesFacts) {
+TEST(SceneLibrary, MakesASceneAnEnvironmentWithTheScenesFacts) {
   const EnvironmentLibrary environments = SceneLibrary::shipped();
   const auto sphere = environments.find("sphere");
   ASSERT_NE(sphere, nullptr);
@@ -41,29 +41,12 @@ TEST(EnvironmentLibrary, MakesASceneAnEnvironmentWithTheScenesFacts) {
   EXPECT_EQ(environments.find("spher"), nullptr);
 }
 
-TEST(EnvironmentLibrary, GivesASceneOneKindUntilTheSceneIsReplaced) {
-  SceneLibrary scenes;
-  scenes.add(wall(100));
-  const EnvironmentLibrary environments = scenes;
-  const auto first = environments.find("wall");
-  EXPECT_EQ(environments.request("wall").found, first) << "who shares a scene must meet the same one";
-  EXPECT_NEAR(force_N(*first, 0.01), -1, 1e-12);
-  scenes.add(wall(200));
-  const auto second = environments.find("wall");
-  EXPECT_NE(second, first);
-  EXPECT_NEAR(force_N(*second, 0.01), -2, 1e-12);
-  EXPECT_NEAR(force_N(*first, 0.01), -1, 1e-12) << "whoever has the old one keeps it";
-}
-
-TEST(EnvironmentLibrary, AnAddedEnvironmentTakesPrecedenceOverASceneOfItsName) {
+TEST(SceneLibrary, AnEnvironmentThatIsAddedReplacesAScene) {
   EnvironmentLibrary environments = SceneLibrary::shipped();
-  EnvironmentKind own = scene_environment(wall(300));
-  environments.add(own);
+  environments.add(scene_environment(wall(300)));
   EXPECT_NEAR(force_N(*environments.find("wall"), 0.01), -3, 1e-12);
-  EXPECT_NEAR(force_N(*environments.request("wall").found, 0.01), -3, 1e-12);
-  own = scene_environment(wall(400));
-  environments.add(own);
-  EXPECT_NEAR(force_N(*environments.find("wall"), 0.01), -4, 1e-12) << "the later one replaces it";
+  environments.add(scene_environment(wall(400)));
+  EXPECT_NEAR(force_N(*environments.request("wall").found, 0.01), -4, 1e-12) << "the later one replaces it";
 }
 
 TEST(EnvironmentKind, OfAnAutoSceneIsFinerForAClientThatRendersLocally) {
@@ -72,21 +55,6 @@ TEST(EnvironmentKind, OfAnAutoSceneIsFinerForAClientThatRendersLocally) {
   EXPECT_THAT(kind.make(far).choice, testing::HasSubstr("stiffness_N_per_m = 100 for a round trip of 20 ms"));
   far.renders_locally = true;
   EXPECT_THAT(kind.make(far).choice, testing::HasSubstr("stiffness_N_per_m = 200 for a round trip of 20 ms and local"));
-}
-
-TEST(EnvironmentLibrary, RefusesAKindWithoutANameOrAFunction) {
-  EnvironmentLibrary environments;
-  EXPECT_THROW(environments.add({.name = "nothing"}), std::invalid_argument);
-  EXPECT_THROW(environments.add({.make = [](const ClientFacts&) { return MadeEnvironment{}; }}), std::invalid_argument);
-}
-
-TEST(EnvironmentKind, AcceptsAnyDegreesOfFreedomIfItListsNone) {
-  const EnvironmentKind kind;
-  EXPECT_FALSE(kind.accepts(0));
-  EXPECT_TRUE(kind.accepts(1));
-  EXPECT_TRUE(kind.accepts(6));
-  EXPECT_FALSE(kind.accepts(7));
-  EXPECT_EQ(kind.accepted_degrees_of_freedom(), "1 to 6");
 }
 
 }  // namespace

@@ -4,25 +4,25 @@
 #include <deque>
 #include <functional>
 #include <list>
-#include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <thread>
 
-#include "forcebound/server/environment/scene_library.hpp"
+#include "forcebound/server/offer/environment_library.hpp"
 
 namespace forcebound::server {
 
-/// Compiles the scenes that clients request from a library, on a thread of its own, one after the other. Without it the
-/// library compiles in the calling thread.
-class SceneCompiler {
+/// Makes the environments that clients request from a library, on a thread of its own, one after the other. Without it
+/// the library makes them in the calling thread.
+class EnvironmentMaker {
  public:
-  /// @param failed called with the scene and the reason, in the library's own thread
-  SceneCompiler(SceneLibrary library, std::function<void(std::string_view scene, std::string_view why)> failed);
-  ~SceneCompiler();
-  SceneCompiler(const SceneCompiler&) = delete;
-  SceneCompiler& operator=(const SceneCompiler&) = delete;
+  /// @param failed called with the environment's name and the reason, in the library's own thread
+  EnvironmentMaker(EnvironmentLibrary library, std::function<void(std::string_view name, std::string_view why)> failed);
+  ~EnvironmentMaker();
+  EnvironmentMaker(const EnvironmentMaker&) = delete;
+  EnvironmentMaker& operator=(const EnvironmentMaker&) = delete;
 
   /// Gives the results to the library; to be called in the library's own thread.
   void deliver();
@@ -30,14 +30,14 @@ class SceneCompiler {
  private:
   void run(const std::stop_token& stop);
 
-  SceneLibrary library_;
+  EnvironmentLibrary library_;
   std::function<void(std::string_view, std::string_view)> failed_;
   std::mutex guard_;  // of the two lists
   std::condition_variable_any wanted_changed_;
-  std::deque<SceneLibrary::Compilation> wanted_;
+  std::deque<EnvironmentLibrary::Later> wanted_;
   struct Outcome {
     std::string name;
-    std::shared_ptr<const scene::Scene> scene{};  // null: failed
+    std::optional<EnvironmentKind> made{};  // nothing: failed
     std::string why_not{};
   };
   std::list<Outcome> outcomes_;  // whose nodes are made before there may be no memory for them

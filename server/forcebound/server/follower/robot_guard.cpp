@@ -1,4 +1,4 @@
-#include "forcebound/server/runtime/robot_guard.hpp"
+#include "forcebound/server/follower/robot_guard.hpp"
 
 #include <unistd.h>
 

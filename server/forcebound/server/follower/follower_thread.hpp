@@ -18,7 +18,7 @@
 #include "forcebound/record/wake_ups.hpp"
 #include "forcebound/server/follower/follower.hpp"
 #include "forcebound/server/follower/follower_environment.hpp"
-#include "forcebound/server/runtime/robot_guard.hpp"
+#include "forcebound/server/follower/robot_guard.hpp"
 #include "forcebound/time/clock.hpp"
 #include "forcebound/time/latest.hpp"
 

@@ -1,4 +1,4 @@
-#include "forcebound/server/runtime/follower_thread.hpp"
+#include "forcebound/server/follower/follower_thread.hpp"
 
 #include <algorithm>
 #include <boost/lockfree/spsc_queue.hpp>

@@ -1,4 +1,4 @@
-#include "forcebound/server/environment/environment.hpp"
+#include "forcebound/server/offer/environment.hpp"
 
 #include <algorithm>
 
