@@ -27,7 +27,7 @@ struct ProgramOptions {
   RingingDevice device{};                   ///< for the stability margins
   std::string record;                       ///< file; empty: no recording
   std::optional<page::ListenAddress> page;  ///< where the live page is served; none: nowhere
-  KeyOptions keys;
+  KeyFiles keys;
   bool verbose = false;
   bool realtime = false;
   std::size_t workers = 1;               ///< threads that serve, each with its own socket and sessions; 0: one for

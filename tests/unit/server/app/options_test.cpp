@@ -61,7 +61,7 @@ TEST(ServerOptionsOnKeys, DoNotGoWithInsecure) {
 }
 
 TEST(ServerOptionsOnKeys, AreNeededOffLoopbackUnlessInsecureIsSaid) {
-  const auto expect = [](const KeyOptions& keys, const char* address) {
+  const auto expect = [](const KeyFiles& keys, const char* address) {
     return [keys, address] { expect_encryption(keys, address_of(address)); };
   };
   for (const char* const other : {"0.0.0.0:47800", "192.0.2.1:47800", "[::]:47800", "[2001:db8::1]:47800"}) {
@@ -87,18 +87,18 @@ TEST(ServerOptionsOnKeys, SayInWordsWhetherSessionsAreEncryptedAndNoSecret) {
   security::write_secret_key(key_file, secret);
   security::write_shared_key(shared_file, shared);
 
-  const KeyOptions both{.key = key_file, .psk = shared_file};
+  const KeyFiles both{.key = key_file, .psk = shared_file};
   const auto pair = read_keys(both);
   const std::string words = encryption_in_words(both, pair);
   EXPECT_EQ(words, "encrypted: IKpsk2, public key " + security::public_text(1));
   EXPECT_THAT(words, AllOf(Not(HasSubstr(security::to_base64(*secret))), Not(HasSubstr(security::to_base64(*shared)))));
   EXPECT_EQ(encryption_name(pair), "IKpsk2");
 
-  const KeyOptions alone{.psk = shared_file};
+  const KeyFiles alone{.psk = shared_file};
   EXPECT_EQ(encryption_in_words(alone, read_keys(alone)), "encrypted: NNpsk0");
   EXPECT_EQ(encryption_name(read_keys(alone)), "NNpsk0");
 
-  const KeyOptions insecure{.insecure = true};
+  const KeyFiles insecure{.insecure = true};
   EXPECT_EQ(encryption_in_words(insecure, read_keys(insecure)), "NOT ENCRYPTED (--insecure)");
   EXPECT_EQ(encryption_in_words({}, read_keys({})), "not encrypted: this machine only");
   EXPECT_EQ(encryption_name(read_keys({})), "none");
