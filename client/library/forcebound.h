@@ -343,6 +343,127 @@ FB_EXPORT fb_status fb_client_event(fb_client* client, fb_event* event);
  * FB_TOO_SMALL: cut to what fits. */
 FB_EXPORT fb_status fb_client_summary(fb_client* client, char* text, size_t bytes, size_t* needed);
 
+/* ---- A server: an environment of yours for any number of clients, on a thread of its own. */
+
+typedef struct fb_server fb_server;
+
+/* A client that asks for the environment, by its own account. */
+typedef struct fb_client_facts {
+  size_t size;
+  char device[FB_TEXT_BYTES];
+  int32_t axes;
+  int32_t renders_locally; /* 1: it takes a stiffness */
+  int32_t shows_torque;    /* 1: it takes a torque on the handle */
+  int32_t reserved;
+  double period_s;         /* between its motions */
+  double force_N_max;
+  double round_trip_s;     /* 0: not measured */
+} fb_client_facts;
+
+/* A motion of its device. */
+typedef struct fb_client_motion {
+  size_t size;
+  uint32_t has;     /* FB_HAS_BUTTONS, FB_HAS_GRIPPER, FB_HAS_ORIENTATION */
+  uint32_t buttons; /* bit k: button k is pressed */
+  int64_t read_ns;    /* the client's clock at the reading: it may jump, and be wrong on purpose */
+  int64_t arrived_ns; /* CLOCK_MONOTONIC at its arrival here */
+  double position_m[FB_AXES_MAX]; /* as in fb_motion; finite */
+  double orientation[4]; /* unit quaternion w, x, y, z: turns the handle's axes into the scene's */
+  double gripper;        /* 0: closed, 1: open */
+} fb_client_motion;
+
+/* Bits of fb_answer.has. */
+enum {
+  FB_HAS_TORQUE = 128,    /* torque_N_m */
+  FB_HAS_CONTACT = 256,   /* normal, depth_m */
+  FB_HAS_STIFFNESS = 512  /* stiffness_N_per_m, radius_m */
+};
+
+/* The answer to a motion. The library sets size and zeros the rest before it asks. */
+typedef struct fb_answer {
+  size_t size;
+  uint32_t has;
+  uint32_t reserved;
+  double force_N[FB_AXES_MAX];
+  double torque_N_m[3];       /* on the handle, for a device whose motions have no rotations */
+  double normal[FB_AXES_MAX]; /* unit, out of the surface that is touched, for people to see */
+  double depth_m;             /* below it */
+  /* K of x, y and z, row by row: to a client that renders locally the force is f - K (x - x_0), at its own rate, for
+   * radius_m about the motion's position x_0. Otherwise it holds f until the next answer. */
+  double stiffness_N_per_m[9];
+  double radius_m;
+} fb_answer;
+
+/* An environment. All callbacks come on the server's thread, one at a time, while every other client waits. They return
+ * FB_OK or anything else for "not done". A client whose `update` failed, threw or gave what is not finite gets zero
+ * force; one that took more than 10 ms is answered late. Both are counted (fb_server_state). */
+typedef struct fb_environment {
+  size_t size;
+  const char* name;      /* by which clients may ask for it, as for a scene; null: "environment" */
+  const char* simulated; /* what it is, in one line for people; null: its name */
+  int32_t axes;          /* of the devices that it accepts; 0: any */
+  int32_t reserved;
+  void* user;            /* of `create` */
+  /* A client comes: `own` is for its motions. Not done: it is refused, and may ask again. Null: `own` is `user`. */
+  fb_status (*create)(void* user, const fb_client_facts* client, void** own);
+  /* Real time: to return within a tick, without waiting or allocating. */
+  fb_status (*update)(void* own, const fb_client_motion* motion, fb_answer* answer);
+  /* The client has left, or came to nothing after `create`. Null: nothing is to be done. */
+  void (*destroy)(void* own);
+} fb_environment;
+
+/* Nothing has to be set. Errors of address and keys name them as forcebound-server does: --listen, --key, --clients,
+ * --psk (shared_key), --insecure. */
+typedef struct fb_server_settings {
+  size_t size;
+  const char* listen;     /* HOST:PORT; null: "127.0.0.1:47800"; port 0: a free one, see fb_server_state */
+  const char* key;        /* file of the server's secret key; takes `clients`, `shared_key` or both */
+  const char* clients;    /* TOML file of the clients that are let in */
+  const char* shared_key; /* file of a key that all clients have too */
+  int32_t insecure;       /* 1: other machines are served, not encrypted */
+  int32_t clients_max;    /* at once; 0: 64 */
+  int32_t clients_per_address; /* at once, of one IP address; 0: as many */
+  int32_t reserved;
+  double idle_s;          /* a client ends that sends no motion for so long; 0: 60 s */
+} fb_server_settings;
+
+/* Takes the address, reads the keys, copies the environment. @param settings null: standard values */
+FB_EXPORT fb_status fb_server_create(const fb_server_settings* settings, const fb_environment* environment,
+                                     fb_server** server);
+
+/* Starts the thread. Once. */
+FB_EXPORT fb_status fb_server_start(fb_server* server);
+
+/* Says good-bye to all clients, and waits for the thread. FB_NOT_NOW: it was not started, or a callback of its own asks.
+ * FB_FAILED: the thread had failed, and why. Any thread. */
+FB_EXPORT fb_status fb_server_stop(fb_server* server);
+
+/* Stops it first; not in a callback. Null is accepted. */
+FB_EXPORT void fb_server_destroy(fb_server* server);
+
+/* As of 0.1 s ago at most. */
+typedef struct fb_server_state {
+  size_t size;
+  int32_t running;
+  int32_t port;
+  char address[FB_TEXT_BYTES]; /* "127.0.0.1:47800" */
+  uint64_t clients;            /* now */
+  uint64_t clients_refused;
+  uint64_t motions;            /* received */
+  uint64_t forces;             /* sent, */
+  uint64_t forces_zero;        /* of them for want of a sound answer */
+  uint64_t callbacks_failed;   /* they said so, or threw */
+  uint64_t callbacks_late;     /* took more than 10 ms */
+  double busy;                 /* share of its thread's time, of the last second */
+} fb_server_state;
+
+/* Any thread, at any time. */
+FB_EXPORT fb_status fb_server_look(fb_server* server, fb_server_state* state);
+
+/* JSON: the state, and every count that forcebound-server prints at its end. Any time. Arguments as of
+ * fb_client_summary. */
+FB_EXPORT fb_status fb_server_summary(fb_server* server, char* text, size_t bytes, size_t* needed);
+
 #ifdef __cplusplus
 }
 namespace forcebound_c {

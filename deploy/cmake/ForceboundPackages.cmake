@@ -85,8 +85,8 @@ set(CPACK_DEBIAN_RUNTIME_PACKAGE_SECTION libs)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS forcebound)
 set(CPACK_COMPONENT_RUNTIME_DESCRIPTION
-" Laws that bound a force and a client of networked haptics, for programs in C
- and in languages that call C.")
+" Laws that bound a force, a client and a server of networked haptics, for
+ programs in C and in languages that call C.")
 
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libforcebound-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)

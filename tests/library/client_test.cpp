@@ -7,10 +7,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <memory>
 #include <stdexcept>
 #include <string>
 #include <thread>
+
+#include "tests/library/handles.hpp"
 
 namespace forcebound::library {
 namespace {
@@ -18,16 +19,6 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-struct End {
-  void operator()(fb_facts* facts) const { fb_facts_destroy(facts); }
-  void operator()(fb_device* device) const { fb_device_destroy(device); }
-  void operator()(fb_client* client) const { fb_client_destroy(client); }
-};
-template <class Handle>
-using Owned = std::unique_ptr<Handle, End>;
-
-constexpr const char* kFacts =
-    "kind = \"cartesian\"\ndegrees_of_freedom = 1\ndamping_N_s_per_m = 5\nforce_N_max = 20\nhold_s_max = 0.005\n";
 constexpr const char* kNobody = "127.0.0.1:9";
 
 /// A device that stands still, and does on its 50th reading what a test says.
@@ -62,15 +53,6 @@ fb_device_callbacks callbacks_of(StillDevice& still) {
   return callbacks;
 }
 
-Owned<fb_device> device_of(const fb_device_callbacks& callbacks) {
-  fb_facts* facts = nullptr;
-  fb_device* device = nullptr;
-  EXPECT_EQ(fb_facts_parse(kFacts, "still", &facts), FB_OK) << fb_last_error();
-  EXPECT_EQ(fb_device_of_callbacks(facts, &callbacks, &device), FB_OK) << fb_last_error();
-  fb_facts_destroy(facts);
-  return Owned<fb_device>(device);
-}
-
 fb_client_settings briefly() {
   fb_client_settings settings = FB_INIT(fb_client_settings);
   settings.server = kNobody;
@@ -93,7 +75,7 @@ fb_client_state state_of(const Owned<fb_client>& client) {
 
 TEST(LibraryClient, TicksADeviceOfCallbacksAndSaysWhyThereWasNoSession) {
   StillDevice still;
-  Owned<fb_device> device = device_of(callbacks_of(still));
+  Owned<fb_device> device = still_device(callbacks_of(still));
   const Owned<fb_client> client = client_of(briefly(), device);
   device.reset();  // the client has it
   ASSERT_EQ(fb_client_start(client.get()), FB_OK) << fb_last_error();
@@ -123,7 +105,7 @@ TEST(LibraryClient, OutlivesCallbacksThatThrowOrTakeTooLong) {
   StillDevice sleeps;
   sleeps.at_fifty = [] { std::this_thread::sleep_for(std::chrono::milliseconds{100}); };
   for (StillDevice* const still : {&throws, &sleeps}) {
-    const Owned<fb_device> device = device_of(callbacks_of(*still));
+    const Owned<fb_device> device = still_device(callbacks_of(*still));
     const Owned<fb_client> client = client_of(briefly(), device);
     ASSERT_EQ(fb_client_start(client.get()), FB_OK);
     EXPECT_EQ(fb_client_wait(client.get(), -1), FB_FAILED);  // nobody answers
@@ -157,7 +139,7 @@ TEST(LibraryClient, RunsWithASimulatedDeviceAndKnowsP) {
 /// Of an older header: settings that end behind the server, a state that ends behind the position.
 TEST(LibraryClient, TakesTheSmallerStructsOfAnOlderProgram) {
   StillDevice still;
-  const Owned<fb_device> device = device_of(callbacks_of(still));
+  const Owned<fb_device> device = still_device(callbacks_of(still));
   fb_client_settings settings = briefly();
   std::memset(static_cast<void*>(&settings.scene), 0x5a, sizeof settings - offsetof(fb_client_settings, scene));
   settings.size = offsetof(fb_client_settings, scene);
@@ -178,7 +160,7 @@ TEST(LibraryClient, RefusesWhatCannotBeInOneLine) {
   fb_device_callbacks callbacks = callbacks_of(still);
   callbacks.read = nullptr;
   fb_facts* parsed = nullptr;
-  ASSERT_EQ(fb_facts_parse(kFacts, "still", &parsed), FB_OK);
+  ASSERT_EQ(fb_facts_parse(kStillFacts, "still", &parsed), FB_OK);
   const Owned<fb_facts> facts(parsed);
   fb_device* made = nullptr;
   EXPECT_EQ(fb_device_of_callbacks(facts.get(), &callbacks, &made), FB_INVALID);
@@ -187,7 +169,7 @@ TEST(LibraryClient, RefusesWhatCannotBeInOneLine) {
   EXPECT_THAT(fb_last_error(), HasSubstr("omni"));
   EXPECT_EQ(made, nullptr);
 
-  const Owned<fb_device> device = device_of(callbacks_of(still));
+  const Owned<fb_device> device = still_device(callbacks_of(still));
   const auto refused = [&](const fb_client_settings& settings, const std::string& why) {
     fb_client* client = nullptr;
     EXPECT_NE(fb_client_create(&settings, device.get(), &client), FB_OK) << why;

@@ -5,12 +5,12 @@
 #include <array>
 #include <cstddef>
 #include <cstring>
-#include <memory>
 #include <string>
 #include <vector>
 
 #include "forcebound/baselines/running_law.hpp"
 #include "forcebound/device/load_device.hpp"
+#include "tests/library/handles.hpp"
 #include "tests/support/allocation_guard.hpp"
 #include "tests/support/random_ticks.hpp"
 #include "tests/support/special_numbers.hpp"
@@ -22,15 +22,8 @@ using ::testing::AllOf;
 using ::testing::Each;
 using ::testing::HasSubstr;
 
-struct FactsEnd {
-  void operator()(fb_facts* facts) const { fb_facts_destroy(facts); }
-};
-using Facts = std::unique_ptr<fb_facts, FactsEnd>;
-
-struct LawEnd {
-  void operator()(fb_law* law) const { fb_law_destroy(law); }
-};
-using Law = std::unique_ptr<fb_law, LawEnd>;
+using Facts = Owned<fb_facts>;
+using Law = Owned<fb_law>;
 
 Facts load(const char* name) {
   fb_facts* facts = nullptr;

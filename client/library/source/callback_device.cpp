@@ -15,19 +15,10 @@ CallbackDevice::CallbackDevice(device::RealDevice facts, const fb_device_callbac
 /// Whether a callback did what it was asked for, in time.
 template <class Call>
 bool CallbackDevice::done(const char* failure, Call&& call) noexcept {
-  const time::Nanoseconds began = clock_.now();
-  bool did = false;
-  try {
-    did = std::forward<Call>(call)();
-    if (!did) error_ = failure;
-  } catch (...) {
-    error_ = "a callback threw an exception";
-  }
-  if (!did) failed_.fetch_add(1, std::memory_order_relaxed);
-  if (clock_.now() - began <= kLate) return did;
-  late_.fetch_add(1, std::memory_order_relaxed);
-  error_ = "a callback took more than 10 ms";
-  return false;
+  const CallbackCounts::Called called = calls_.call(std::forward<Call>(call));
+  if (!called.done) error_ = called.threw ? "a callback threw an exception" : failure;
+  if (called.late) error_ = "a callback took more than 10 ms";
+  return called.done && !called.late;
 }
 
 void CallbackDevice::start() {
@@ -113,11 +104,10 @@ void CallbackDevice::stop(time::Nanoseconds /*now*/) noexcept {
     (void)command(control::Vector::Zero(known_.facts.degrees_of_freedom()));
     return;
   }
-  try {
+  calls_.call([&] {
     callbacks_.stop(callbacks_.user);
-  } catch (...) {
-    failed_.fetch_add(1, std::memory_order_relaxed);
-  }
+    return true;
+  });
 }
 
 }  // namespace forcebound::library

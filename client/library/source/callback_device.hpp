@@ -1,7 +1,5 @@
 #pragma once
 
-#include <atomic>
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -9,18 +7,15 @@
 #include "forcebound/device/haptic_device.hpp"
 #include "forcebound/device/load_device.hpp"
 #include "forcebound/driver/reading_times.hpp"
-#include "forcebound/time/steady_clock.hpp"
 #include "library/forcebound.h"
+#include "library/source/callback_counts.hpp"
 
 namespace forcebound::library {
 
-/// A device of a program's callbacks. Each is called as if it could do anything but end the process: one that fails,
-/// throws or takes longer than kLate is no reading, or a command that may not have arrived, so that the law gives zero
-/// force, and is counted.
+/// A device of a program's callbacks. One that fails, throws or is late is no reading, or a command that may not have
+/// arrived, so that the law gives zero force, and is counted.
 class CallbackDevice final : public device::HapticDevice {
  public:
-  static constexpr time::Nanoseconds kLate = std::chrono::milliseconds{10};
-
   CallbackDevice(device::RealDevice facts, const fb_device_callbacks& callbacks);
 
   [[nodiscard]] const control::DeviceFacts& facts() const noexcept override { return known_.facts; }
@@ -36,8 +31,7 @@ class CallbackDevice final : public device::HapticDevice {
   [[nodiscard]] std::string_view last_error() const noexcept override { return error_; }
 
   /// Any thread.
-  [[nodiscard]] std::uint64_t failed() const noexcept { return failed_.load(std::memory_order_relaxed); }
-  [[nodiscard]] std::uint64_t late() const noexcept { return late_.load(std::memory_order_relaxed); }
+  [[nodiscard]] const CallbackCounts& calls() const noexcept { return calls_; }
 
  private:
   template <class Call>
@@ -50,12 +44,10 @@ class CallbackDevice final : public device::HapticDevice {
   fb_device_callbacks callbacks_;
   control::Damping damping_;
   driver::ReadingTimes times_;
-  time::SteadyClock clock_;
+  CallbackCounts calls_;
   bool write_failed_ = false;
   device::DeviceCounters counters_{};
   std::string_view error_{};  // texts that last
-  std::atomic<std::uint64_t> failed_{0};
-  std::atomic<std::uint64_t> late_{0};
 };
 
 }  // namespace forcebound::library

@@ -72,10 +72,8 @@ fb_event event_of(int kind, std::string_view text, time::Nanoseconds duration = 
   return event;
 }
 
-std::string text_of(const char* text) { return text == nullptr ? std::string() : std::string(text); }
-
 client::EmbeddedClient::Settings settings_of(const fb_client_settings& given, const OpenedDevice& opened) {
-  const std::string law = given.law == nullptr ? "fba-exact" : given.law;
+  const std::string law = text_of(given.law, "fba-exact");
   client::EmbeddedClient::Settings settings{.client = {.server = text_of(given.server),
                                                        .identity = {.key = text_of(given.key),
                                                                     .server_key = text_of(given.server_key),
@@ -169,8 +167,8 @@ fb_client_state state_of(fb_client& client) {
   if (tick.handle.orientation) std::ranges::copy(*tick.handle.orientation, state.orientation);
   state.gripper = tick.handle.gripper.value_or(0);
   if (const CallbackDevice* const callbacks = client.opened->callbacks) {
-    state.callbacks_failed = callbacks->failed();
-    state.callbacks_late = callbacks->late();
+    state.callbacks_failed = callbacks->calls().failed();
+    state.callbacks_late = callbacks->calls().late();
   }
   state.events_lost = client.events.lost();
   set_text(state.simulated, client.events.simulated());
@@ -276,22 +274,10 @@ fb_status fb_client_event(fb_client* client, fb_event* event) {
 fb_status fb_client_summary(fb_client* client, char* text, size_t bytes, size_t* needed) {
   constexpr const char* kFunction = "fb_client_summary";
   if (client == nullptr) return library::refused(kFunction, "client is null");
-  if (text == nullptr && bytes > 0) return library::refused(kFunction, "text is null, and bytes are not 0");
   return library::guarded(kFunction, [&]() -> fb_status {
     if (!client->client.ended()) {
       return library::refused(kFunction, "there is no summary before the client has ended", FB_NOT_NOW);
     }
-    const std::string json = client->client.summary();
-    if (needed != nullptr) *needed = json.size() + 1;
-    const std::size_t fits = std::min(json.size(), bytes == 0 ? 0 : bytes - 1);
-    if (bytes > 0) {
-      std::copy_n(json.begin(), fits, text);
-      text[fits] = '\0';
-    }
-    if (bytes > json.size()) return FB_OK;
-    return library::refused(kFunction,
-                            "the text has " + std::to_string(json.size() + 1) + " bytes with its zero, got room for " +
-                                std::to_string(bytes),
-                            FB_TOO_SMALL);
+    return library::give_text(kFunction, client->client.summary(), text, bytes, needed);
   });
 }

@@ -5,11 +5,31 @@
 #include <cstddef>
 #include <cstdio>
 #include <cstring>
+#include <string>
 #include <string_view>
 
 #include "library/source/errors.hpp"
 
 namespace forcebound::library {
+
+/// A text that a program gave; null: `otherwise`.
+[[nodiscard]] inline std::string text_of(const char* text, const std::string& otherwise = {}) {
+  return text == nullptr ? otherwise : text;
+}
+
+/// Gives a program a text with its zero, cut where there is no room for it.
+/// @param to may be null if `bytes` is 0 @param needed of the whole text; may be null
+[[nodiscard]] inline fb_status give_text(const char* function, std::string_view from, char* to, std::size_t bytes,
+                                         std::size_t* needed) {
+  if (to == nullptr && bytes > 0) return refused(function, "text is null, and bytes are not 0");
+  if (needed != nullptr) *needed = from.size() + 1;
+  if (bytes > 0) to[from.copy(to, bytes - 1)] = '\0';
+  if (bytes > from.size()) return FB_OK;
+  return refused(
+      function,
+      "the text has " + std::to_string(from.size() + 1) + " bytes with its zero, got room for " + std::to_string(bytes),
+      FB_TOO_SMALL);
+}
 
 /// Copies text into a field of a struct, cut where it does not fit.
 template <std::size_t kBytes>
