@@ -248,7 +248,7 @@ typedef struct fb_client_settings {
   size_t size;
   const char* server;         /* HOST:PORT */
   const char* scene;          /* null: the server's default */
-  const char* law;            /* null: "fba-exact" */
+  const char* law;            /* null: "fba-exact"; or the file of one of yours, "./my-law.so" (forcebound_law.h) */
   const char* law_parameters; /* as fb_law_options.parameters */
   const char* key;            /* file of the client's secret key; null: a new one */
   const char* server_key;     /* the server's public key in base64, or its file */

@@ -155,6 +155,24 @@ TEST(LibraryClient, TakesTheSmallerStructsOfAnOlderProgram) {
   EXPECT_EQ(state.request_N[0], 42);
 }
 
+TEST(LibraryClient, TakesALawOfYourOwnWithItsParameters) {
+  StillDevice still;
+  const Owned<fb_device> device = still_device(callbacks_of(still));
+  fb_client_settings settings = briefly();
+  settings.law = FORCEBOUND_TEST_LAWS "/forcebound-law-saver.so";
+  settings.law_parameters = "[saver]\nshare = 7\n";
+  fb_client* refused = nullptr;
+  EXPECT_NE(fb_client_create(&settings, device.get(), &refused), FB_OK);
+  EXPECT_THAT(fb_last_error(), AllOf(HasSubstr("law_parameters:2"), HasSubstr("share")));
+  settings.law_parameters = "[saver]\nshare = 0.25\n";
+  const Owned<fb_client> client = client_of(settings, device);
+  ASSERT_EQ(fb_client_start(client.get()), FB_OK);
+  (void)fb_client_wait(client.get(), -1);  // nobody answers
+  std::string json(1 << 16, ' ');
+  ASSERT_EQ(fb_client_summary(client.get(), json.data(), json.size(), nullptr), FB_OK) << fb_last_error();
+  EXPECT_THAT(json, AllOf(HasSubstr("\"saver\""), HasSubstr("share 0.25")));
+}
+
 TEST(LibraryClient, RefusesWhatCannotBeInOneLine) {
   StillDevice still;
   fb_device_callbacks callbacks = callbacks_of(still);

@@ -11,9 +11,9 @@
 #include <stdexcept>
 #include <utility>
 
-#include "forcebound/baselines/baselines.hpp"
 #include "forcebound/baselines/law_file.hpp"
 #include "forcebound/control/wrench.hpp"
+#include "forcebound/law_plugin/known_laws.hpp"
 #include "library/source/errors.hpp"
 #include "library/source/structs.hpp"
 
@@ -73,7 +73,7 @@ fb_event event_of(int kind, std::string_view text, time::Nanoseconds duration = 
 }
 
 client::EmbeddedClient::Settings settings_of(const fb_client_settings& given, const OpenedDevice& opened) {
-  const std::string law = text_of(given.law, "fba-exact");
+  const std::string law = law_plugin::law_named(text_of(given.law, "fba-exact"));
   client::EmbeddedClient::Settings settings{.client = {.server = text_of(given.server),
                                                        .identity = {.key = text_of(given.key),
                                                                     .server_key = text_of(given.server_key),
@@ -95,7 +95,7 @@ client::EmbeddedClient::Settings settings_of(const fb_client_settings& given, co
                                                        .hand = opened.hand}};
   if (given.law_parameters != nullptr) {
     settings.law_options.parameters =
-        baselines::parse_law_parameters(given.law_parameters, "law_parameters", law, baselines::shipped_laws());
+        baselines::parse_law_parameters(given.law_parameters, "law_parameters", law, law_plugin::known_laws());
   }
   return settings;
 }

@@ -117,7 +117,7 @@ fb_status create(const std::string& name, const fb_facts& facts, const fb_law_op
 using namespace forcebound;  // NOLINT(google-build-using-namespace)
 
 const char* fb_law_name(size_t index) {
-  static const std::vector<std::string> kNames = baselines::shipped_laws().names();
+  static const std::vector<std::string> kNames = library::laws().names();
   return index < kNames.size() ? kNames[index].c_str() : nullptr;
 }
 
