@@ -451,12 +451,41 @@ public sealed class Device : IDisposable {
   internal Native.DeviceHandle Handle => Native.Open(handle, nameof(Device));
 
   /// <summary>How often a callback threw, so far.</summary>
-  public long CallbacksThrew => Callbacks == null ? 0 : Callbacks.Threw;
+  public long CallbacksThrew => Callbacks == null ? 0 : Callbacks.Thrown.Count;
   /// <summary>The first that was thrown; null: none was.</summary>
-  public Exception FirstThrown => Callbacks?.First;
+  public Exception FirstThrown => Callbacks?.Thrown.First;
 
   /// <summary>A client that was made with it keeps it, and its callbacks, until the client's own end.</summary>
   public void Dispose() => handle.Dispose();
+}
+
+// Exceptions that delegates threw when the library called them: none goes on into C.
+internal sealed class Thrown {
+  private long count;
+  private Exception first;
+
+  internal long Count => Interlocked.Read(ref count);
+  internal Exception First => Volatile.Read(ref first);
+
+  internal int Catch(Exception exception) {
+    Interlocked.CompareExchange(ref first, exception, null);
+    Interlocked.Increment(ref count);
+    // Else it goes on at the end of the catch clause, into C.
+    if (exception is ThreadAbortException) Thread.ResetAbort();
+    return Native.FB_FAILED;
+  }
+
+  // Once for each run of exceptions: who asks again is told only of new ones.
+  internal static void Report(Thrown thrown, int status, ref long reported, string whose) {
+    long threw = thrown == null ? 0 : thrown.Count;
+    long before = Interlocked.Exchange(ref reported, threw);
+    if (status != Native.FB_OK) Native.Check(status, thrown?.First);
+    if (threw == before) return;
+    Exception first = thrown.First;
+    throw new ForceboundException(Status.Failed, "a callback of the " + whose + " threw " + (threw - before) +
+                                  " times, with zero force each time; first: " + first.GetType().Name + ": " +
+                                  first.Message.Split('\n')[0].TrimEnd(), first);
+  }
 }
 
 // Between the library's thread and the delegates. Static functions, since IL2CPP calls no others from C.
@@ -473,8 +502,6 @@ internal sealed class Callbacks {
   private readonly Reading reading;
   private readonly double[] force_N;
   private int commanding;
-  private long threw;
-  private Exception first;
 
   internal Callbacks(Facts facts, ReadDevice read, CommandDevice command, Action stop, Func<bool> start) {
     this.read = read;
@@ -496,18 +523,9 @@ internal sealed class Callbacks {
     };
   }
 
-  internal long Threw => Interlocked.Read(ref threw);
-  internal Exception First => Volatile.Read(ref first);
+  internal readonly Thrown Thrown = new Thrown();
 
   private static Callbacks Of(IntPtr user) => (Callbacks)GCHandle.FromIntPtr(user).Target;
-
-  private int Caught(Exception exception) {
-    Interlocked.CompareExchange(ref first, exception, null);
-    Interlocked.Increment(ref threw);
-    // Else it goes on at the end of the catch clause, into C.
-    if (exception is ThreadAbortException) Thread.ResetAbort();
-    return Native.FB_FAILED;
-  }
 
   [MonoPInvokeCallback(typeof(Native.Read))]
   private static unsafe int Read(IntPtr user, Native.fb_reading* native) {
@@ -518,7 +536,7 @@ internal sealed class Callbacks {
       of.reading.Write(native);
       return Native.FB_OK;
     } catch (Exception e) {
-      return of.Caught(e);
+      return of.Thrown.Catch(e);
     }
   }
 
@@ -532,7 +550,7 @@ internal sealed class Callbacks {
       for (int k = 0; k < copy.Length; ++k) copy[k] = k < (int)axes ? force_N[k] : 0;
       return of.command(copy) ? Native.FB_OK : Native.FB_FAILED;
     } catch (Exception e) {
-      return of.Caught(e);
+      return of.Thrown.Catch(e);
     } finally {
       if (first) Volatile.Write(ref of.commanding, 0);
     }
@@ -544,7 +562,7 @@ internal sealed class Callbacks {
     try {
       of.stop();
     } catch (Exception e) {
-      of.Caught(e);
+      of.Thrown.Catch(e);
     }
   }
 
@@ -554,7 +572,7 @@ internal sealed class Callbacks {
     try {
       return of.start() ? Native.FB_OK : Native.FB_FAILED;
     } catch (Exception e) {
-      return of.Caught(e);
+      return of.Thrown.Catch(e);
     }
   }
 }
@@ -702,7 +720,7 @@ public struct Event {
 /// ends it too.</summary>
 public sealed class Client : IDisposable {
   private readonly Native.ClientHandle handle;
-  private readonly Callbacks callbacks;
+  private readonly Thrown thrown;
   private bool started;
   private long reported;
 
@@ -710,7 +728,7 @@ public sealed class Client : IDisposable {
   public unsafe Client(ClientSettings settings, Device device) {
     Native.Given(settings, nameof(settings));
     Native.Given(device, nameof(device));
-    callbacks = device.Callbacks;
+    thrown = device.Callbacks?.Thrown;
     using (var texts = new Native.Texts()) {
       Native.fb_client_settings native = settings.Write(texts);
       IntPtr made;
@@ -772,27 +790,14 @@ public sealed class Client : IDisposable {
 
   /// <summary>After the end: JSON, as `forcebound-client --summary` writes it.</summary>
   public string Summary() {
-    UIntPtr needed;
-    int status = Native.fb_client_summary(Open, null, UIntPtr.Zero, out needed);
-    if (status != Native.FB_TOO_SMALL) Native.Check(status);
-    var text = new byte[(int)needed];
-    Native.Check(Native.fb_client_summary(Open, text, needed, out needed));
-    return Encoding.UTF8.GetString(text, 0, Math.Max(0, text.Length - 1));
+    Native.ClientHandle open = Open;
+    return Native.Summary((byte[] text, UIntPtr bytes, out UIntPtr needed) =>
+                              Native.fb_client_summary(open, text, bytes, out needed));
   }
 
   private Native.ClientHandle Open => Native.Open(handle, nameof(Client));
 
-  // Once for each run of exceptions: who asks again is told only of new ones.
-  private void End(int status) {
-    long threw = callbacks == null ? 0 : callbacks.Threw;
-    long before = Interlocked.Exchange(ref reported, threw);
-    if (status != Native.FB_OK) Native.Check(status, callbacks?.First);
-    if (threw == before) return;
-    Exception first = callbacks.First;
-    throw new ForceboundException(Status.Failed, "a callback of the device threw " + (threw - before) +
-                                  " times, with zero force each time; first: " + first.GetType().Name + ": " +
-                                  first.Message.Split('\n')[0].TrimEnd(), first);
-  }
+  private void End(int status) => Thrown.Report(thrown, status, ref reported, "device");
 
   /// <summary>Stops it first.</summary>
   public void Dispose() {
@@ -803,26 +808,347 @@ public sealed class Client : IDisposable {
   }
 }
 
+/// <summary>A client that asks for the environment, by its own account. See fb_client_facts.</summary>
+public sealed class ClientFacts {
+  internal unsafe ClientFacts(Native.fb_client_facts* from) {
+    Device = Native.Text((IntPtr)from->device);
+    Axes = from->axes;
+    RendersLocally = from->renders_locally != 0;
+    ShowsTorque = from->shows_torque != 0;
+    Period_s = from->period_s;
+    ForceMax_N = from->force_N_max;
+    RoundTrip_s = from->round_trip_s;
+  }
+
+  public string Device { get; }
+  public int Axes { get; }
+  /// <summary>It takes a stiffness.</summary>
+  public bool RendersLocally { get; }
+  /// <summary>It takes a torque on the handle.</summary>
+  public bool ShowsTorque { get; }
+  /// <summary>Between its motions.</summary>
+  public double Period_s { get; }
+  public double ForceMax_N { get; }
+  /// <summary>0: not measured.</summary>
+  public double RoundTrip_s { get; }
+}
+
+/// <summary>A motion of a client's device. See fb_client_motion.</summary>
+public sealed class ClientMotion {
+  internal ClientMotion(int axes) { Position_m = new double[axes]; }
+
+  /// <summary>The client's clock at the reading: it may jump, and be wrong on purpose.</summary>
+  public long Read_ns;
+  /// <summary>CLOCK_MONOTONIC at its arrival here.</summary>
+  public long Arrived_ns;
+  public readonly double[] Position_m;
+  /// <summary>Bit k: button k is pressed; null: it has none.</summary>
+  public uint? Buttons;
+  /// <summary>0: closed, 1: open; null: it has none.</summary>
+  public double? Gripper;
+  /// <summary>Whether Orientation, a unit quaternion w, x, y, z, is known.</summary>
+  public bool HasOrientation;
+  public readonly double[] Orientation = { 1, 0, 0, 0 };
+
+  internal unsafe void Read(Native.fb_client_motion* from) {
+    Read_ns = from->read_ns;
+    Arrived_ns = from->arrived_ns;
+    for (int k = 0; k < Position_m.Length; ++k) Position_m[k] = from->position_m[k];
+    Buttons = (from->has & Native.FB_HAS_BUTTONS) != 0 ? from->buttons : (uint?)null;
+    Gripper = (from->has & Native.FB_HAS_GRIPPER) != 0 ? from->gripper : (double?)null;
+    HasOrientation = (from->has & Native.FB_HAS_ORIENTATION) != 0;
+    for (int k = 0; HasOrientation && k < Orientation.Length; ++k) Orientation[k] = from->orientation[k];
+  }
+}
+
+/// <summary>The answer to a motion: zeros, until it is set. See fb_answer.</summary>
+public sealed class Answer {
+  internal Answer(int axes) {
+    Force_N = new double[axes];
+    Normal = new double[axes];
+  }
+
+  public readonly double[] Force_N;
+  public bool HasTorque;
+  /// <summary>On the handle, for a device whose motions have no rotations.</summary>
+  public readonly double[] Torque_N_m = new double[3];
+  public bool HasContact;
+  /// <summary>Unit, out of the surface that is touched.</summary>
+  public readonly double[] Normal;
+  public double Depth_m;
+  public bool HasStiffness;
+  /// <summary>K of x, y and z, row by row: to a client that renders locally the force is f - K (x - x_0), at its own
+  /// rate, for Radius_m about the motion's position x_0.</summary>
+  public readonly double[] Stiffness_N_per_m = new double[9];
+  public double Radius_m;
+
+  internal void Clear() {
+    HasTorque = HasContact = HasStiffness = false;
+    Depth_m = Radius_m = 0;
+    Array.Clear(Force_N, 0, Force_N.Length);
+    Array.Clear(Torque_N_m, 0, Torque_N_m.Length);
+    Array.Clear(Normal, 0, Normal.Length);
+    Array.Clear(Stiffness_N_per_m, 0, Stiffness_N_per_m.Length);
+  }
+
+  internal unsafe void Write(Native.fb_answer* to) {
+    to->has = (HasTorque ? (uint)Native.FB_HAS_TORQUE : 0) | (HasContact ? (uint)Native.FB_HAS_CONTACT : 0) |
+              (HasStiffness ? (uint)Native.FB_HAS_STIFFNESS : 0);
+    for (int k = 0; k < Force_N.Length; ++k) to->force_N[k] = Force_N[k];
+    for (int k = 0; k < Torque_N_m.Length; ++k) to->torque_N_m[k] = Torque_N_m[k];
+    for (int k = 0; k < Normal.Length; ++k) to->normal[k] = Normal[k];
+    to->depth_m = Depth_m;
+    for (int k = 0; k < Stiffness_N_per_m.Length; ++k) to->stiffness_N_per_m[k] = Stiffness_N_per_m[k];
+    to->radius_m = Radius_m;
+  }
+}
+
+/// <summary>Answers a motion of one client; false: not done, and zero force is sent. To return within a tick, without
+/// waiting or allocating: all other clients wait meanwhile. Both objects are used again.</summary>
+public delegate bool AnswerMotion(ClientMotion motion, Answer answer);
+
+/// <summary>What a server serves. Beside `using System` it is Forcebound.Environment. An exception of its delegates ends in
+/// here: zero force, counted, and reported by the server's Stop. One that takes more than 10 ms is answered late, and
+/// counted.</summary>
+public sealed class Environment {
+  private static readonly unsafe Native.Create staticCreate = Create;
+  private static readonly unsafe Native.Update staticUpdate = Update;
+  private static readonly Native.Stop staticDestroy = Destroy;
+
+  // One client's.
+  private sealed class Felt {
+    internal Environment Of;
+    internal AnswerMotion Update;
+    internal ClientMotion Motion;
+    internal Answer Answer;
+  }
+
+  private readonly Func<ClientFacts, AnswerMotion> create;
+  private readonly Action<AnswerMotion> left;
+  internal readonly Thrown Thrown = new Thrown();
+
+  /// <param name="create">Of a client that comes, what answers its motions; null refuses it, and so does an exception.
+  /// </param>
+  /// <param name="left">The client of this one has left; null: nothing is to be done.</param>
+  public Environment(Func<ClientFacts, AnswerMotion> create, Action<AnswerMotion> left = null) {
+    Native.Given(create, nameof(create));
+    this.create = create;
+    this.left = left;
+  }
+
+  /// <summary>By which clients may ask for it, as for a scene; null: "environment".</summary>
+  public string Name;
+  /// <summary>What it is, in one line for people; null: its name.</summary>
+  public string Simulated;
+  /// <summary>Of the devices that it accepts; 0: any.</summary>
+  public int Axes;
+
+  /// <summary>How often a delegate threw, so far.</summary>
+  public long CallbacksThrew => Thrown.Count;
+  /// <summary>The first that was thrown; null: none was.</summary>
+  public Exception FirstThrown => Thrown.First;
+
+  internal unsafe Native.fb_environment Write(Native.Texts texts, IntPtr user) {
+    return new Native.fb_environment {
+      size = (UIntPtr)sizeof(Native.fb_environment),
+      name = texts.Add(Name, nameof(Name)),
+      simulated = texts.Add(Simulated, nameof(Simulated)),
+      axes = Axes,
+      user = user,
+      create = Marshal.GetFunctionPointerForDelegate(staticCreate),
+      update = Marshal.GetFunctionPointerForDelegate(staticUpdate),
+      destroy = Marshal.GetFunctionPointerForDelegate(staticDestroy)
+    };
+  }
+
+  private static T Target<T>(IntPtr handle) => (T)GCHandle.FromIntPtr(handle).Target;
+
+  [MonoPInvokeCallback(typeof(Native.Create))]
+  private static unsafe int Create(IntPtr user, Native.fb_client_facts* client, IntPtr* own) {
+    Environment of = Target<Environment>(user);
+    try {
+      var facts = new ClientFacts(client);
+      AnswerMotion update = of.create(facts);
+      if (update == null) return Native.FB_FAILED;
+      var felt = new Felt { Of = of, Update = update, Motion = new ClientMotion(facts.Axes),
+                            Answer = new Answer(facts.Axes) };
+      *own = GCHandle.ToIntPtr(GCHandle.Alloc(felt));
+      return Native.FB_OK;
+    } catch (Exception e) {
+      return of.Thrown.Catch(e);
+    }
+  }
+
+  [MonoPInvokeCallback(typeof(Native.Update))]
+  private static unsafe int Update(IntPtr own, Native.fb_client_motion* motion, Native.fb_answer* answer) {
+    Felt felt = Target<Felt>(own);
+    try {
+      felt.Motion.Read(motion);
+      felt.Answer.Clear();
+      if (!felt.Update(felt.Motion, felt.Answer)) return Native.FB_FAILED;
+      felt.Answer.Write(answer);
+      return Native.FB_OK;
+    } catch (Exception e) {
+      return felt.Of.Thrown.Catch(e);
+    }
+  }
+
+  [MonoPInvokeCallback(typeof(Native.Stop))]
+  private static void Destroy(IntPtr own) {
+    Felt felt = Target<Felt>(own);
+    GCHandle.FromIntPtr(own).Free();
+    try {
+      felt.Of.left?.Invoke(felt.Update);
+    } catch (Exception e) {
+      felt.Of.Thrown.Catch(e);
+    }
+  }
+}
+
+/// <summary>Nothing has to be set. See fb_server_settings.</summary>
+public sealed class ServerSettings {
+  /// <summary>HOST:PORT; null: "127.0.0.1:47800"; port 0: a free one, see ServerState.</summary>
+  public string Listen;
+  /// <summary>File of the server's secret key; takes Clients, SharedKey or both.</summary>
+  public string Key;
+  /// <summary>TOML file of the clients that are let in.</summary>
+  public string Clients;
+  public string SharedKey;
+  /// <summary>Other machines are served, not encrypted.</summary>
+  public bool Insecure;
+  /// <summary>At once; 0: 64.</summary>
+  public int ClientsMax;
+  /// <summary>At once, of one IP address; 0: as many.</summary>
+  public int ClientsPerAddress;
+  /// <summary>A client ends that sends no motion for so long; 0: 60 s.</summary>
+  public double Idle_s;
+
+  internal unsafe Native.fb_server_settings Write(Native.Texts texts) {
+    return new Native.fb_server_settings {
+      size = (UIntPtr)sizeof(Native.fb_server_settings),
+      listen = texts.Add(Listen, nameof(Listen)),
+      key = texts.Add(Key, nameof(Key)),
+      clients = texts.Add(Clients, nameof(Clients)),
+      shared_key = texts.Add(SharedKey, nameof(SharedKey)),
+      insecure = Insecure ? 1 : 0,
+      clients_max = ClientsMax,
+      clients_per_address = ClientsPerAddress,
+      idle_s = Idle_s
+    };
+  }
+}
+
+/// <summary>As of 0.1 s ago at most. See fb_server_state.</summary>
+public struct ServerState {
+  public bool IsRunning;
+  public int Port;
+  /// <summary>"127.0.0.1:47800".</summary>
+  public string Address;
+  /// <summary>Now.</summary>
+  public ulong Clients;
+  public ulong ClientsRefused;
+  /// <summary>Received.</summary>
+  public ulong Motions;
+  /// <summary>Sent,</summary>
+  public ulong Forces;
+  /// <summary>of them for want of a sound answer.</summary>
+  public ulong ForcesZero;
+  /// <summary>They said so, or threw.</summary>
+  public ulong CallbacksFailed;
+  /// <summary>Took more than 10 ms.</summary>
+  public ulong CallbacksLate;
+  /// <summary>Share of its thread's time, of the last second.</summary>
+  public double Busy;
+}
+
+/// <summary>An environment for any number of clients, on a thread of the library. Any thread. The end of the program ends
+/// it too.</summary>
+public sealed class Server : IDisposable {
+  private readonly Native.ServerHandle handle;
+  private readonly Thrown thrown;
+  private long reported;
+
+  /// <summary>Takes the address, reads the keys.</summary>
+  public unsafe Server(Environment environment, ServerSettings settings = null) {
+    Library.Require();
+    Native.Given(environment, nameof(environment));
+    thrown = environment.Thrown;
+    GCHandle user = GCHandle.Alloc(environment);
+    try {
+      using (var texts = new Native.Texts()) {
+        Native.fb_server_settings native = (settings ?? new ServerSettings()).Write(texts);
+        Native.fb_environment felt = environment.Write(texts, GCHandle.ToIntPtr(user));
+        IntPtr made;
+        Native.Check(Native.fb_server_create(&native, &felt, out made));
+        handle = new Native.ServerHandle(made, user);
+      }
+    } catch {
+      user.Free();
+      throw;
+    }
+  }
+
+  /// <summary>Starts the thread. Once.</summary>
+  public void Start() {
+    Native.Check(Native.fb_server_start(Open));
+    Running.Add(handle);
+  }
+
+  /// <summary>Says good-bye to all clients. Not in a delegate of its environment.</summary>
+  /// <exception cref="ForceboundException">It was not started, it failed, or a delegate threw.</exception>
+  public void Stop() => Thrown.Report(thrown, Native.fb_server_stop(Open), ref reported, "environment");
+
+  public unsafe ServerState Look() {
+    var native = new Native.fb_server_state { size = (UIntPtr)sizeof(Native.fb_server_state) };
+    Native.Check(Native.fb_server_look(Open, &native));
+    return new ServerState {
+      IsRunning = native.running != 0,
+      Port = native.port,
+      Address = Native.Text((IntPtr)native.address),
+      Clients = native.clients,
+      ClientsRefused = native.clients_refused,
+      Motions = native.motions,
+      Forces = native.forces,
+      ForcesZero = native.forces_zero,
+      CallbacksFailed = native.callbacks_failed,
+      CallbacksLate = native.callbacks_late,
+      Busy = native.busy
+    };
+  }
+
+  /// <summary>JSON: the state, and every count that forcebound-server prints at its end.</summary>
+  public string Summary() {
+    Native.ServerHandle open = Open;
+    return Native.Summary((byte[] text, UIntPtr bytes, out UIntPtr needed) =>
+                              Native.fb_server_summary(open, text, bytes, out needed));
+  }
+
+  private Native.ServerHandle Open => Native.Open(handle, nameof(Server));
+
+  /// <summary>Stops it first.</summary>
+  public void Dispose() => handle.Dispose();
+}
+
 // Ends what runs when the program does: a callback must not be called into a runtime that is being taken down.
 internal static class Running {
-  private static readonly List<WeakReference> clients = new List<WeakReference>();
+  private static readonly List<WeakReference> all = new List<WeakReference>();
 
   static Running() {
     AppDomain.CurrentDomain.ProcessExit += (sender, end) => End();
     AppDomain.CurrentDomain.DomainUnload += (sender, end) => End();
   }
 
-  internal static void Add(SafeHandle client) {
-    lock (clients) {
-      clients.RemoveAll(one => !one.IsAlive);
-      clients.Add(new WeakReference(client));
+  internal static void Add(SafeHandle started) {
+    lock (all) {
+      all.RemoveAll(one => !one.IsAlive);
+      all.Add(new WeakReference(started));
     }
   }
 
   private static void End() {
-    lock (clients) {
-      foreach (WeakReference one in clients) (one.Target as SafeHandle)?.Dispose();
-      clients.Clear();
+    lock (all) {
+      foreach (WeakReference one in all) (one.Target as SafeHandle)?.Dispose();
+      all.Clear();
     }
   }
 }
@@ -850,6 +1176,9 @@ internal static unsafe class Native {
   internal const int FB_HAS_BUTTONS = 16;
   internal const int FB_HAS_GRIPPER = 32;
   internal const int FB_HAS_ORIENTATION = 64;
+  internal const int FB_HAS_TORQUE = 128;
+  internal const int FB_HAS_CONTACT = 256;
+  internal const int FB_HAS_STIFFNESS = 512;
   internal const int FB_SESSION_CONNECTING = 0;
   internal const int FB_SESSION_ACTIVE = 1;
   internal const int FB_SESSION_STALE = 2;
@@ -1004,10 +1333,94 @@ internal static unsafe class Native {
     public fixed byte text[1024];
   }
 
+  [StructLayout(LayoutKind.Sequential)]
+  internal struct fb_client_facts {
+    public UIntPtr size;
+    public fixed byte device[FB_TEXT_BYTES];
+    public int axes;
+    public int renders_locally;
+    public int shows_torque;
+    public int reserved;
+    public double period_s;
+    public double force_N_max;
+    public double round_trip_s;
+  }
+
+  [StructLayout(LayoutKind.Sequential)]
+  internal struct fb_client_motion {
+    public UIntPtr size;
+    public uint has;
+    public uint buttons;
+    public long read_ns;
+    public long arrived_ns;
+    public fixed double position_m[FB_AXES_MAX];
+    public fixed double orientation[4];
+    public double gripper;
+  }
+
+  [StructLayout(LayoutKind.Sequential)]
+  internal struct fb_answer {
+    public UIntPtr size;
+    public uint has;
+    public uint reserved;
+    public fixed double force_N[FB_AXES_MAX];
+    public fixed double torque_N_m[3];
+    public fixed double normal[FB_AXES_MAX];
+    public double depth_m;
+    public fixed double stiffness_N_per_m[9];
+    public double radius_m;
+  }
+
+  [StructLayout(LayoutKind.Sequential)]
+  internal struct fb_environment {
+    public UIntPtr size;
+    public IntPtr name;
+    public IntPtr simulated;
+    public int axes;
+    public int reserved;
+    public IntPtr user;
+    public IntPtr create;
+    public IntPtr update;
+    public IntPtr destroy;
+  }
+
+  [StructLayout(LayoutKind.Sequential)]
+  internal struct fb_server_settings {
+    public UIntPtr size;
+    public IntPtr listen;
+    public IntPtr key;
+    public IntPtr clients;
+    public IntPtr shared_key;
+    public int insecure;
+    public int clients_max;
+    public int clients_per_address;
+    public int reserved;
+    public double idle_s;
+  }
+
+  [StructLayout(LayoutKind.Sequential)]
+  internal struct fb_server_state {
+    public UIntPtr size;
+    public int running;
+    public int port;
+    public fixed byte address[FB_TEXT_BYTES];
+    public ulong clients;
+    public ulong clients_refused;
+    public ulong motions;
+    public ulong forces;
+    public ulong forces_zero;
+    public ulong callbacks_failed;
+    public ulong callbacks_late;
+    public double busy;
+  }
+
   [UnmanagedFunctionPointer(C)] internal delegate int Read(IntPtr user, fb_reading* reading);
   [UnmanagedFunctionPointer(C)] internal delegate int Command(IntPtr user, double* force_N, UIntPtr axes);
   [UnmanagedFunctionPointer(C)] internal delegate void Stop(IntPtr user);
   [UnmanagedFunctionPointer(C)] internal delegate int Start(IntPtr user);
+  [UnmanagedFunctionPointer(C)] internal delegate int Create(IntPtr user, fb_client_facts* client, IntPtr* own);
+  [UnmanagedFunctionPointer(C)]
+  internal delegate int Update(IntPtr own, fb_client_motion* motion, fb_answer* answer);
 
   [DllImport(Name, CallingConvention = C)] internal static extern IntPtr fb_last_error();
   [DllImport(Name, CallingConvention = C)] internal static extern IntPtr fb_version();
@@ -1045,6 +1458,16 @@ internal static unsafe class Native {
   [DllImport(Name, CallingConvention = C)] internal static extern int fb_client_event(ClientHandle client, fb_event* taken);
   [DllImport(Name, CallingConvention = C)]
   internal static extern int fb_client_summary(ClientHandle client, byte[] text, UIntPtr bytes, out UIntPtr needed);
+  [DllImport(Name, CallingConvention = C)]
+  internal static extern int fb_server_create(fb_server_settings* settings, fb_environment* environment,
+                                              out IntPtr server);
+  [DllImport(Name, CallingConvention = C)] internal static extern int fb_server_start(ServerHandle server);
+  [DllImport(Name, CallingConvention = C)] internal static extern int fb_server_stop(ServerHandle server);
+  [DllImport(Name, CallingConvention = C)] internal static extern void fb_server_destroy(IntPtr server);
+  [DllImport(Name, CallingConvention = C)]
+  internal static extern int fb_server_look(ServerHandle server, fb_server_state* state);
+  [DllImport(Name, CallingConvention = C)]
+  internal static extern int fb_server_summary(ServerHandle server, byte[] text, UIntPtr bytes, out UIntPtr needed);
 
   internal abstract class Handle : SafeHandle {
     protected Handle(IntPtr made) : base(IntPtr.Zero, true) { SetHandle(made); }
@@ -1074,6 +1497,18 @@ internal static unsafe class Native {
     protected override bool ReleaseHandle() {
       fb_device_destroy(handle);
       if (user.IsAllocated) user.Free();
+      return true;
+    }
+  }
+
+  // Keeps the environment, whose delegates the library calls until the server's end.
+  internal sealed class ServerHandle : Handle {
+    private GCHandle user;
+
+    internal ServerHandle(IntPtr made, GCHandle user) : base(made) { this.user = user; }
+    protected override bool ReleaseHandle() {
+      fb_server_destroy(handle);
+      user.Free();
       return true;
     }
   }
@@ -1128,6 +1563,20 @@ internal static unsafe class Native {
     var bytes = new byte[length];
     Marshal.Copy(text, bytes, 0, length);
     return Encoding.UTF8.GetString(bytes);
+  }
+
+  internal delegate int GiveText(byte[] text, UIntPtr bytes, out UIntPtr needed);
+
+  /// A text of which the library tells how long it is; longer meanwhile, it is asked for again.
+  internal static string Summary(GiveText give) {
+    UIntPtr needed;
+    int status = give(null, UIntPtr.Zero, out needed);
+    for (;;) {
+      if (status != FB_TOO_SMALL) Check(status);
+      var text = new byte[(int)needed];
+      status = give(text, needed, out needed);
+      if (status == FB_OK) return Encoding.UTF8.GetString(text, 0, (int)needed - 1);
+    }
   }
 
   /// Whether text in C is this one; false for all that is not ASCII.

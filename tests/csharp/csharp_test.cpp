@@ -72,6 +72,11 @@ TEST(CSharp, RefusesUseAfterDispose) { expect_passes("UseAfterDisposeIsRefused")
 TEST(CSharp, DisposesALawAfterTheTickOfAnotherThread) { expect_passes("DisposeWaitsForTheTick"); }
 TEST(CSharp, DoesNotAllocateInATick) { expect_passes("TickDoesNotAllocate"); }
 TEST(CSharp, RefusesSettingsInOneLine) { expect_passes("SettingsAreRefusedWithOneLine"); }
+TEST(CSharp, ServesAnEnvironment) { expect_passes("EnvironmentIsFelt"); }
+TEST(CSharp, SendsZeroForceWhereAnEnvironmentThrows) { expect_passes("ExceptionsOfAnEnvironmentEndInZeroForce"); }
+TEST(CSharp, RefusesClientsThatAnEnvironmentRefuses) { expect_passes("AnEnvironmentMayRefuseClients"); }
+TEST(CSharp, RefusesServersInOneLine) { expect_passes("ServersAreRefusedWithOneLine"); }
+TEST(CSharp, EndsWithAServerThatRuns) { expect_passes("TheProgramMayEndWithItsServer"); }
 TEST(CSharp, FeelsTheWallByCallbacks) { expect_passes_with_server("CallbacksFeelTheWall"); }
 TEST(CSharp, ShowsZeroForceWhereACallbackThrows) { expect_passes_with_server("ExceptionsOfCallbacksEndInZeroForce"); }
 TEST(CSharp, SurvivesCallbacksThatAllThrow) { expect_passes_with_server("EveryCallbackMayThrow"); }
