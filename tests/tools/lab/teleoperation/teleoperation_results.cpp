@@ -28,6 +28,12 @@ double median_of(const std::vector<const TeleoperationRow*>& rows, double Teleop
   return values.empty() ? std::numeric_limits<double>::quiet_NaN() : time::percentile_of(values, 0.5);
 }
 
+double most_of(const std::vector<const TeleoperationRow*>& rows, double TeleoperationMeasures::*which) {
+  double most = 0;
+  for (const TeleoperationRow* row : rows) most = std::max(most, row->measures.*which);
+  return most;
+}
+
 double least_of(const std::vector<const TeleoperationRow*>& rows, double TeleoperationMeasures::*which) {
   double least = 0;
   for (const TeleoperationRow* row : rows) least = std::min(least, row->measures.*which);
@@ -51,6 +57,7 @@ TeleoperationGroup group_of(const std::vector<const TeleoperationRow*>& rows) {
   for (double M::*which : {&M::leader_minimum_J, &M::leader_kept_minimum_J, &M::follower_minimum_J}) {
     group.median.*which = least_of(rows, which);
   }
+  group.median.lurch_m_per_s = most_of(rows, &M::lurch_m_per_s);
   for (const TeleoperationRow* row : rows) group.median.stops += row->measures.stops;
   return group;
 }
@@ -111,6 +118,7 @@ text::Table teleoperation_table(const std::vector<TeleoperationGroup>& groups) {
                      {"track", "mm"},
                      {"err", "N"},
                      {"peak", "N"},
+                     {"lurch", "mm/s"},
                      {"done", "", Align::left}});
   std::string heading;
   for (const TeleoperationGroup& group : groups) {
@@ -119,6 +127,7 @@ text::Table teleoperation_table(const std::vector<TeleoperationGroup>& groups) {
       table.add_heading(heading = now);
     table.add({group.architecture, group.law, energy(m.leader_minimum_J), energy(m.follower_minimum_J),
                text::fixed(1e3 * m.tracking_rms_m, 1), text::fixed(m.force_error_rms_N, 1), text::fixed(m.peak_N, 0),
+               text::fixed(1e3 * m.lurch_m_per_s, 0),
                std::to_string(group.succeeded) + "/" + std::to_string(group.runs) + (group.on_front ? " *" : "")});
   }
   return table;
@@ -132,9 +141,11 @@ std::string teleoperation_words(const std::vector<TeleoperationGroup>& groups) {
       "  track   from where the hand is, in the robot's world, to the tool, RMS\n"
       "  err     from the true contact force to the one on the hand, RMS in contact\n"
       "  peak    largest contact force\n"
+      "  lurch   most speed of a tool that catches up, after its law withheld torque, beyond\n"
+      "          its leader's: over twice that plus 20 mm/s, or the fastest meanwhile\n"
       "  done    runs that reached the task's goal\n"
       "          *: passive, and none that is passive is better in every respect\n"
-      "  Numbers are medians of the seeds but for the least P.\n\n";
+      "  Numbers are medians of the seeds but for the least P and the largest lurch.\n\n";
   std::vector<std::string> laws;
   for (const TeleoperationGroup& group : groups) {
     if (std::ranges::find(laws, group.law) == laws.end()) laws.push_back(group.law);
@@ -190,6 +201,7 @@ nlohmann::ordered_json teleoperation_json(const std::vector<TeleoperationRow>& r
                    {"why_stopped", m.why_stopped},
                    {"bounded_share", m.bounded_share},
                    {"lag_m_max", m.lag_m_max},
+                   {"lurch_m_per_s", m.lurch_m_per_s},
                    {"on_pareto_front", on_front}});
   }
   return all;

@@ -10,7 +10,7 @@
 
 namespace forcebound::lab {
 
-/// All seeds of one task, architecture, law and network: medians, and the least P of all.
+/// All seeds of one task, architecture, law and network: medians, the least P and the largest lurch of all.
 struct TeleoperationGroup {
   std::string task;
   std::string architecture;
@@ -18,7 +18,7 @@ struct TeleoperationGroup {
   std::string network;
   std::size_t runs = 0;
   std::size_t succeeded = 0;
-  TeleoperationMeasures median{};  ///< of what is known; the minima are the least
+  TeleoperationMeasures median{};  ///< of what is known; the minima are the least, lurch the largest
   bool on_front = false;           ///< of all passive ones with its task and network, none is better in every respect
 };
 

@@ -8,6 +8,7 @@
 #include "forcebound/law_plugin/known_laws.hpp"
 #include "forcebound/server/follower/follower_environment.hpp"
 #include "tests/tools/lab/teleoperation/last_tick.hpp"
+#include "tests/tools/lab/teleoperation/lurch_meter.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -40,10 +41,18 @@ class Slope {
   double products_ = 0;
 };
 
+/// Milliseconds that a leader's motion needs to reach the tool at the most, through a recording in general.
+std::size_t reach_ms(const sim::SimulatedNetworkSettings& network) {
+  constexpr Nanoseconds kTool = 100ms;  // its own, behind its target
+  constexpr Nanoseconds kRecorded = 100ms;
+  const Nanoseconds way = network.trace ? kRecorded : network.up.delay.mean + 2 * network.up.delay.jitter;
+  return static_cast<std::size_t>((kTool + way) / 1ms);
+}
+
 class Measuring {
  public:
   Measuring(const TeleoperationSetup& setup, const server::Follower& follower, const server::TaskRobot& robot)
-      : setup_(setup), follower_(follower), robot_(robot) {
+      : setup_(setup), follower_(follower), robot_(robot), lurch_(reach_ms(setup.network.settings)) {
     measures_.leader_kept_minimum_J = 0;
   }
 
@@ -65,6 +74,12 @@ class Measuring {
     const double kept_J = loop.device().audit()->energy_J - loop.session().law().energy_given_J();
     measures_.leader_kept_minimum_J = std::min(measures_.leader_kept_minimum_J, kept_J);
     if (report.state != control::FollowerState::following) return now;
+    const server::FollowerTotals totals = follower_.totals();
+    lurch_.add({.leader_m_per_s = map.settings().motion_scale * loop.device().truth().velocity.norm(),
+                .tool_m_per_s = now.tool_speed_m_per_s,
+                .lag_m = totals.lag_m,
+                .withheld = totals.bounded > bounded_});
+    bounded_ = totals.bounded;
     ++following_;
     tracking_ += (now.leader_m - now.tool_m).squaredNorm();
     if (progress.in_contact || now.shown_N > kFelt_N) {
@@ -99,6 +114,7 @@ class Measuring {
     measures_.bounded_share =
         totals.ticks > 0 ? static_cast<double>(totals.bounded) / static_cast<double>(totals.ticks) : 0;
     measures_.lag_m_max = totals.lag_m_max;
+    measures_.lurch_m_per_s = lurch_.excess_m_per_s();
     return measures_;
   }
 
@@ -111,6 +127,8 @@ class Measuring {
   const server::TaskRobot& robot_;
   TeleoperationMeasures measures_;
   Slope slope_;
+  LurchMeter lurch_;
+  std::uint64_t bounded_ = 0;
   double following_ = 0;
   double tracking_ = 0;
   double in_contact_ = 0;

@@ -52,6 +52,7 @@ struct TeleoperationMeasures {
   std::string why_stopped;
   double bounded_share = 0;  ///< of the robot's ticks, on which its law shortened the torques
   double lag_m_max = 0;
+  double lurch_m_per_s = 0;  ///< LurchMeter
 };
 
 /// What both ends do on one millisecond, for figures and tables of faults.

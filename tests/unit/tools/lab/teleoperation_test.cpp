@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/tools/lab/teleoperation/fault_study.hpp"
+#include "tests/tools/lab/teleoperation/lurch_meter.hpp"
 #include "tests/tools/lab/teleoperation/teleoperation_results.hpp"
 #include "tests/tools/lab/teleoperation/touch_study.hpp"
 
@@ -50,6 +51,37 @@ TEST(TeleoperationResults, AFileHasARowForEachRun) {
   EXPECT_EQ(json[0].at("passivity").at("follower_minimum_J"), 0.0);
   EXPECT_EQ(json[0].at("passivity").at("leader_minimum_J"), 0.0);
   EXPECT_TRUE(json[0].at("force_error_rms_N").is_null());
+}
+
+TEST(TeleoperationResults, OfLurchesTheLargestCounts) {
+  auto rows = std::vector{row("a", 1e-3, 2), row("a", 1e-3, 2), row("a", 1e-3, 2)};
+  rows[1].measures.lurch_m_per_s = 0.05;
+  EXPECT_EQ(groups_of(rows)[0].median.lurch_m_per_s, 0.05);
+}
+
+TEST(LurchMeter, CountsFromWhenTheLawWithheldUntilTheToolHasCaughtUp) {
+  LurchMeter meter(1);
+  const auto excess = [&](double leader_m_per_s, double tool_m_per_s, double lag_m, bool withheld) {
+    meter.add({.leader_m_per_s = leader_m_per_s, .tool_m_per_s = tool_m_per_s, .lag_m = lag_m, .withheld = withheld});
+    return meter.excess_m_per_s();
+  };
+  EXPECT_EQ(excess(0, 1, 5e-3, false), 0) << "nothing was withheld";
+  EXPECT_EQ(excess(0.1, 0, 5e-3, true), 0);
+  EXPECT_EQ(excess(0.05, 0.1, 5e-3, false), 0) << "as fast as the leader was";
+  EXPECT_NEAR(excess(0.05, 0.11, 5e-3, false), 0.01, 1e-12) << "faster";
+  EXPECT_NEAR(excess(0, 0.06, 5e-3, false), 0.04, 1e-12) << "it stands: 20 mm/s";
+  EXPECT_NEAR(excess(0, 0.06, 5e-4, false), 0.04, 1e-12);
+  EXPECT_NEAR(excess(0, 1, 5e-3, false), 0.04, 1e-12) << "it had caught up";
+}
+
+TEST(LurchMeter, ALeadersSpeedCountsUntilTheToolCanHaveFollowed) {
+  LurchMeter meter(3);
+  for (const double leader_m_per_s : {0.1, 0.0, 0.0}) {
+    meter.add({.leader_m_per_s = leader_m_per_s, .tool_m_per_s = 0.1, .lag_m = 5e-3, .withheld = true});
+  }
+  EXPECT_EQ(meter.excess_m_per_s(), 0);
+  meter.add({.leader_m_per_s = 0, .tool_m_per_s = 0.1, .lag_m = 5e-3, .withheld = true});
+  EXPECT_NEAR(meter.excess_m_per_s(), 0.08, 1e-12);
 }
 
 TeleoperationStudy study_of(const std::string& task, const std::string& architecture, const std::string& network) {
