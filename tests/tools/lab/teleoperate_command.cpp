@@ -16,6 +16,7 @@
 #include "forcebound/text/terminal.hpp"
 #include "tests/tools/lab/commands.hpp"
 #include "tests/tools/lab/teleoperation/fault_study.hpp"
+#include "tests/tools/lab/teleoperation/free_space_study.hpp"
 #include "tests/tools/lab/teleoperation/impedance_study.hpp"
 #include "tests/tools/lab/teleoperation/teleoperation_results.hpp"
 #include "tests/tools/lab/teleoperation/teleoperation_study.hpp"
@@ -38,6 +39,7 @@ struct TeleoperateOptions {
   bool touches = false;
   bool faults = false;
   bool impedance = false;
+  bool free_space = false;
 };
 
 std::vector<std::string> architecture_names() {
@@ -71,7 +73,9 @@ void run(TeleoperateOptions& options) {
   results::prepare({.files = {options.json, options.csv}, .figures = {options.figure}, .formats = options.formats});
   TeleoperationStudy& study = options.study;
   study.tasks = options.tasks == std::vector<std::string>{kAll} ? server::task_names() : options.tasks;
-  if (options.networks.empty()) {
+  if (options.networks.empty() && options.free_space) {
+    study.networks = free_space_networks();
+  } else if (options.networks.empty()) {
     StandardNetworks standard = teleoperation_networks();
     report_left_out(standard.absent);
     study.networks = std::move(standard.networks);
@@ -91,6 +95,10 @@ void run(TeleoperateOptions& options) {
     std::cout << impedance_text(study_impedance(study), study.follower.workspace.force_scale *
                                                             study.follower.workspace.motion_scale *
                                                             server::load_task("stiff-wall").stiffness_N_per_m);
+    return;
+  }
+  if (options.free_space) {
+    std::cout << free_space_text(study_free_space(study));
     return;
   }
   std::vector<TeleoperationRow> rows;
@@ -162,36 +170,31 @@ void add_study(CLI::App& command, TeleoperateOptions& options) {
 
 /// Another question in place of the study's table, or where to write that.
 void add_outcome(CLI::App& command, TeleoperateOptions& options) {
-  CLI::Option* const touches = command.add_flag(
-      "--touches", options.touches,
+  std::vector<CLI::Option*> questions;
+  const auto ask = [&](const char* name, bool& asked, const char* help) {
+    CLI::Option* const question = command.add_flag(name, asked, help);
+    for (CLI::Option* const other : questions) question->excludes(other);
+    questions.push_back(question);
+  };
+  ask("--touches", options.touches,
       "how the stiff wall feels on a first and a second touch and as the hand slides along it, beside the same device "
       "without robot and network");
-  CLI::Option* const faults =
-      command
-          .add_flag("--faults", options.faults,
-                    "what robot and hand do when client, server, network or robot fail, with the first of the "
-                    "architectures, laws and networks")
-          ->excludes(touches);
-  CLI::Option* const impedance =
-      command
-          .add_flag("--impedance", options.impedance,
-                    "what a hand that swings with 0.5 to 20 Hz meets, in free space and pressing the stiff wall")
-          ->excludes(touches)
-          ->excludes(faults);
-  program::add_output(command, "--json", options.json, "write a row for each run to this file")
-      ->excludes(touches)
-      ->excludes(faults)
-      ->excludes(impedance)
-      ->type_name("FILE.json");
-  program::add_output(command, "--csv", options.csv, "write the table to this file")
-      ->excludes(touches)
-      ->excludes(faults)
-      ->excludes(impedance)
-      ->type_name("FILE.csv");
-  program::add_figure(command, options.figure, options.formats, "draw force error and tracking error")
-      ->excludes(touches)
-      ->excludes(faults)
-      ->excludes(impedance);
+  ask("--faults", options.faults,
+      "what robot and hand do when client, server, network or robot fail, with the first of the architectures, laws "
+      "and "
+      "networks");
+  ask("--impedance", options.impedance,
+      "what a hand that swings with 0.5 to 20 Hz meets, in free space and pressing the stiff wall");
+  ask("--free-space", options.free_space,
+      "what a hand feels of a robot that touches nothing, swinging by 5 and 50 mm, and how far the tool stays behind "
+      "it; networks by default: none, 20, 50, 100 and 400 ms each way");
+  for (CLI::Option* const output :
+       {program::add_output(command, "--json", options.json, "write a row for each run to this file")
+            ->type_name("FILE.json"),
+        program::add_output(command, "--csv", options.csv, "write the table to this file")->type_name("FILE.csv"),
+        program::add_figure(command, options.figure, options.formats, "draw force error and tracking error")}) {
+    for (CLI::Option* const question : questions) output->excludes(question);
+  }
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <complex>
 #include <string>
 #include <vector>
@@ -13,6 +14,26 @@ struct TransmittedImpedance {
   double frequency_Hz = 0;
   std::complex<double> N_s_per_m{};
 };
+
+/// How a hand swings: about a place that it goes to first, from where the tool starts; robot's world.
+struct Swing {
+  Eigen::Vector3d place_m{Eigen::Vector3d::Zero()};
+  Eigen::Vector3d way{Eigen::Vector3d::UnitX()};  ///< unit
+  double size_m = 5e-3;                           ///< to each side
+  double frequency_Hz = 1;
+};
+
+/// What it meets, once settled, and the run's measures.
+struct SwingOutcome {
+  TransmittedImpedance met{};
+  TeleoperationMeasures measures{};
+};
+
+/// @param setup all but the hand and the time
+[[nodiscard]] SwingOutcome swing_hand(TeleoperationSetup setup, const Swing& swing);
+
+/// Of both studies.
+inline constexpr std::array kSwings_Hz{0.5, 1.0, 2.0, 5.0, 10.0, 20.0};
 
 struct ImpedanceRow {
   std::string architecture;

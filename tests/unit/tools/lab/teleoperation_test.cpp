@@ -1,10 +1,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <complex>
 #include <limits>
 #include <nlohmann/json.hpp>
 
 #include "tests/tools/lab/teleoperation/fault_study.hpp"
+#include "tests/tools/lab/teleoperation/free_space_study.hpp"
 #include "tests/tools/lab/teleoperation/lurch_meter.hpp"
 #include "tests/tools/lab/teleoperation/teleoperation_results.hpp"
 #include "tests/tools/lab/teleoperation/touch_study.hpp"
@@ -84,6 +86,19 @@ TEST(LurchMeter, ALeadersSpeedCountsUntilTheToolCanHaveFollowed) {
   EXPECT_NEAR(meter.excess_m_per_s(), 0.08, 1e-12);
 }
 
+TEST(FreeSpaceStudy, MarksAndCountsWhatMissesItsBound) {
+  FreeSpaceRow near{.architecture = "a", .law = "none", .network = "delay 50ms", .delay_s = 0.05};
+  near.felt_N_s_per_m[0] = {4.9, 5.1, 0, 0, 88, 0};  // of 10 Hz nothing is wanted
+  near.lag_m = {5.2e-3, 4e-3, 4e-3};
+  FreeSpaceRow far = near;
+  far.delay_s = 0.1;
+  const std::string text = free_space_text({near, far});
+  EXPECT_NE(text.find("2 of 11 figures"), std::string::npos) << text;
+  EXPECT_NE(text.find("5.1!"), std::string::npos) << text;
+  EXPECT_NE(text.find("5.2!"), std::string::npos) << text;
+  EXPECT_EQ(text.find("88.0!"), std::string::npos) << text;
+}
+
 TeleoperationStudy study_of(const std::string& task, const std::string& architecture, const std::string& network) {
   return {.tasks = {task},
           .architectures = {architecture},
@@ -109,6 +124,15 @@ TEST(Teleoperation, EveryTaskIsPassiveAtBothEndsAndTheFirstTheSameAgain) {
     const auto again = study_teleoperation(study, [](double) {});
     EXPECT_EQ(again[0].measures.received_J, m.received_J) << "same settings, same run";
   }
+}
+
+TEST(Teleoperation, FreeSpaceIsFreeWithAStoreAndNotWithout) {
+  if (!server::has_simulated_robots()) GTEST_SKIP() << "built without MuJoCo";
+  const auto study = study_of("stiff-wall", "position-force", "none");
+  auto setup = setup_of(study, "stiff-wall", "position-force", "fba-exact", study.networks.front(), 1);
+  EXPECT_LT(std::abs(swing_hand(setup, {.frequency_Hz = 2}).met.N_s_per_m), 1);
+  setup.follower.initial_J = 0;
+  EXPECT_GT(std::abs(swing_hand(setup, {.frequency_Hz = 2}).met.N_s_per_m), kFeltMost_N_s_per_m);
 }
 
 TEST(Teleoperation, WithoutALawTheRobotLeaks) {
