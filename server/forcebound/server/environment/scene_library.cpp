@@ -80,12 +80,16 @@ class SceneLibrary::Shelf {
 SceneLibrary::SceneLibrary() : shelf_(std::make_shared<Shelf>()) {}
 
 SceneLibrary SceneLibrary::shipped(scene::Registry registry, scene::MeasureCost measure) {
+  struct Reading {
+    scene::Registry registry;
+    scene::MeasureCost measure;
+  };
   SceneLibrary library;
-  const auto shared = std::make_shared<const scene::Registry>(std::move(registry));
+  const auto by = std::make_shared<const Reading>(Reading{std::move(registry), std::move(measure)});
   for (const text::EmbeddedText& scene : shipped_scenes()) {
     const std::string name(scene.name);
-    library.shelf_->put({.name = name, .compile = [shared, measure, name, text = scene.text] {
-                           return parse_scene(text, file_of(name), *shared, measure);
+    library.shelf_->put({.name = name, .compile = [by, name, text = scene.text] {
+                           return parse_scene(text, file_of(name), by->registry, by->measure);
                          }});
   }
   return library;
