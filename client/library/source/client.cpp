@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstring>
-#include <exception>
 #include <new>
 #include <random>
 #include <stdexcept>
@@ -117,15 +116,10 @@ fb_status create(const fb_client_settings& given, const fb_device& device, fb_cl
 }
 
 void run(fb_client& client) {
-  std::string failure;
-  try {
+  std::string failure = failure_of([&] {
     client.client.run();
-    if (std::string why = client.client.why_no_session(); !why.empty()) failure = std::move(why);
-  } catch (const std::exception& error) {
-    failure = error.what();
-  } catch (...) {
-    failure = "an exception of an unknown kind";
-  }
+    return client.client.why_no_session();
+  });
   const std::scoped_lock lock(client.mutex);
   client.failure = std::move(failure);
   client.ended = true;

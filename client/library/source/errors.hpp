@@ -1,6 +1,7 @@
 #pragma once
 
 #include <exception>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -29,6 +30,18 @@ template <class Body>
     return std::forward<Body>(body)();
   } catch (...) {
     return store_exception(function);
+  }
+}
+
+/// The body of a thread of ours. @param body returns why it failed; empty: it did not @returns that, or what it threw
+template <class Body>
+[[nodiscard]] std::string failure_of(Body&& body) {
+  try {
+    return std::forward<Body>(body)();
+  } catch (const std::exception& error) {
+    return error.what();
+  } catch (...) {
+    return "an exception of an unknown kind";
   }
 }
 

@@ -1,7 +1,6 @@
 #include "library/source/server.hpp"
 
 #include <cstddef>
-#include <exception>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <stop_token>
@@ -69,14 +68,10 @@ fb_status create(const fb_server_settings& given, const fb_environment& environm
 
 void run(fb_server& server, const std::stop_token& wanted) {
   server.runs_on = std::this_thread::get_id();
-  std::string failure;
-  try {
+  std::string failure = failure_of([&] {
     server.server.run(wanted);
-  } catch (const std::exception& error) {
-    failure = error.what();
-  } catch (...) {
-    failure = "an exception of an unknown kind";
-  }
+    return std::string();
+  });
   const std::scoped_lock lock(server.mutex);
   server.failure = std::move(failure);
   server.running = false;
@@ -97,8 +92,7 @@ fb_status stop(fb_server& server, const char* function) {
   return server.failure.empty() ? FB_OK : refused(function, server.failure, FB_FAILED);
 }
 
-fb_server_state state_of(const fb_server& server) {
-  const server::UdpServer::Figures figures = server.server.figures();
+fb_server_state state_of(const fb_server& server, const server::UdpServer::Figures& figures) {
   const net::Address address = server.server.address();
   fb_server_state state{};
   state.running = server.running ? 1 : 0;
@@ -117,7 +111,7 @@ fb_server_state state_of(const fb_server& server) {
 
 std::string summary_of(const fb_server& server) {
   const server::UdpServer::Figures figures = server.server.figures();
-  const fb_server_state state = state_of(server);
+  const fb_server_state state = state_of(server, figures);
   nlohmann::ordered_json counts;
 #define FORCEBOUND_WRITE(subject, name, words) counts[#name] = figures.counters.name;
   FORCEBOUND_SERVER_COUNTS(FORCEBOUND_WRITE)
@@ -196,7 +190,7 @@ fb_status fb_server_look(fb_server* server, fb_server_state* state) {
   constexpr const char* kFunction = "fb_server_look";
   if (server == nullptr) return library::refused(kFunction, "server is null");
   return library::guarded(kFunction, [&] {
-    return library::give(kFunction, "fb_server_state", library::state_of(*server), state,
+    return library::give(kFunction, "fb_server_state", library::state_of(*server, server->server.figures()), state,
                          offsetof(fb_server_state, clients));
   });
 }

@@ -181,8 +181,7 @@ void add_outcome(CLI::App& command, TeleoperateOptions& options) {
       "without robot and network");
   ask("--faults", options.faults,
       "what robot and hand do when client, server, network or robot fail, with the first of the architectures, laws "
-      "and "
-      "networks");
+      "and networks");
   ask("--impedance", options.impedance,
       "what a hand that swings with 0.5 to 20 Hz meets, in free space and pressing the stiff wall");
   ask("--free-space", options.free_space,
