@@ -1,6 +1,7 @@
 #include "forcebound/server/app/follower_options.hpp"
 
 #include <CLI/CLI.hpp>
+#include <stdexcept>
 
 #include "forcebound/program/command_line.hpp"
 #include "forcebound/server/follower/architecture.hpp"
@@ -29,10 +30,11 @@ std::vector<std::string> follower_laws(const control::LawRegistry& laws) {
 
 void expect_task(const FollowerOptions& options) {
   if (!options.any() || is_driven(options.robot) == options.task.empty()) return;
-  throw program::End{.exit_code = program::kWrongUse,
-                     .text = options.task.empty()
-                                 ? "--follower " + options.robot + " requires --task: a simulated robot needs work\n"
-                                 : "--task is for simulated robots; one behind a driver has work of its own\n"};
+  throw std::invalid_argument(options.task.empty() ? "--follower " + options.robot +
+                                                         " requires --task: a simulated robot needs work, of " +
+                                                         text::join(task_names()) + " or FILE.toml"
+                                                   : "--task is for simulated robots; one behind a driver has work of "
+                                                     "its own");
 }
 
 void add_follower_options(CLI::App& app, FollowerOptions& options, const control::LawRegistry& laws) {
@@ -76,7 +78,7 @@ void add_follower_options(CLI::App& app, FollowerOptions& options, const control
   app.add_option(
          "--robot-store", options.settings.initial_J,
          "with --follower: energy that the robot may spend before the leader gave any; default: that of its own "
-         "mass at its speed limit, which is the most")
+         "mass at its speed limit, which is the most; with model-mediated half of it")
       ->type_name("J")
       ->check(program::number_within(0, 100))
       ->needs(follower);

@@ -23,7 +23,7 @@ struct FollowerOptions {
 
 void add_follower_options(CLI::App& app, FollowerOptions& options, const control::LawRegistry& laws);
 
-/// @throws program::End where a simulated robot has no task, or one behind a driver has some
+/// @throws std::invalid_argument where a simulated robot has no task, or one behind a driver has some
 void expect_task(const FollowerOptions& options);
 
 /// The laws that can bound a robot's torques: those that need nothing from elsewhere.

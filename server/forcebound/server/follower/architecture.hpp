@@ -91,7 +91,7 @@ struct ArchitectureKind {
   std::string_view name;
   std::string_view summary;
   bool needs_sensor = false;
-  bool borrows = true;  ///< its robot begins with energy of its own, unless told otherwise
+  double initial_share = 1;  ///< of the largest E_0: with that its robot begins, unless told otherwise
   ImpedanceSettings impedance{};
   std::function<std::unique_ptr<Architecture>(const ImpedanceSettings&)> make{};
 };

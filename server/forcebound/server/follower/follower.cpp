@@ -39,13 +39,17 @@ void check_above_zero(const char* what, double value) {
 double initial_J(const FollowerSettings& settings, const Robot& robot) {
   if (settings.law != "fba-exact") {
     if (settings.initial_J.value_or(0) == 0) return 0;
-    throw std::invalid_argument("law '" + settings.law + "' begins with no store: fba-exact can");
+    throw std::invalid_argument("law '" + settings.law +
+                                "' cannot begin with a store: --robot-store must be 0 or left "
+                                "out, or the law fba-exact");
   }
   const double most_J = std::min(largest_initial_J(robot.model()), settings.store_J);
-  if (!settings.initial_J) return find_architecture(settings.architecture).borrows ? most_J : 0;
-  if (*settings.initial_J >= 0 && *settings.initial_J <= most_J) return *settings.initial_J;
+  if (!settings.initial_J) return find_architecture(settings.architecture).initial_share * most_J;
+  // The most as it is told below may be rounded up.
+  if (*settings.initial_J >= 0 && *settings.initial_J <= most_J * (1 + 1e-5))
+    return std::min(*settings.initial_J, most_J);
   control::ClassicText text;
-  text << "store that robot '" << robot.facts().name << "' begins with must be 0 to " << most_J
+  text << "--robot-store, with which robot '" << robot.facts().name << "' begins, must be 0 to " << most_J
        << " J, which its own mass has at its speed limit of " << robot.model().limits().tool_speed_m_per_s_max
        << " m/s, got " << *settings.initial_J;
   throw std::invalid_argument(text.str());

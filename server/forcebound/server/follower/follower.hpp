@@ -27,8 +27,7 @@ struct FollowerSettings {
   WorkspaceSettings workspace{};
   EngagementTimes times{};
   double store_J = 2;  ///< energy that the robot's law keeps at most; > 0
-  /// E_0, energy that the robot's law begins with, 0 to `largest_initial_J`; none: ArchitectureKind::borrows decides
-  /// between these two.
+  /// E_0, energy that the robot's law begins with, 0 to `largest_initial_J`; none: the architecture's share of that.
   std::optional<double> initial_J{};
   double approach_m_per_s_max = 0.25;  ///< of the tool's target, > 0
   double turn_rad_per_s_max = 1;       ///< likewise

@@ -98,7 +98,10 @@ TEST(Follower, BeginsWithNoMoreThanItsSpeedLimitAllows) {
   // 2 kg at 1 m/s.
   EXPECT_NEAR(largest_initial_J(test::GantryModel({})), 1, 1e-9);
   EXPECT_NEAR(Led({.architecture = "position-position"}).follower->totals().initial_J, 1, 1e-9);
+  EXPECT_NEAR(Led({.architecture = "model-mediated"}).follower->totals().initial_J, 0.5, 1e-9);
   EXPECT_EQ(Led({.architecture = "position-position", .law = "none"}).follower->totals().initial_J, 0);
+  EXPECT_EQ(Led({.initial_J = 1 + 1e-6}).follower->totals().initial_J, largest_initial_J(test::GantryModel({})))
+      << "as it is told in a refusal";
   for (const double initial_J : {-0.1, 1.1, std::nan("")}) {
     try {
       const Led led({.initial_J = initial_J});
