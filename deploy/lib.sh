@@ -3,6 +3,8 @@ set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 bin=$root/build/release/bin
+cache=${XDG_CACHE_HOME:-$HOME/.cache}/forcebound
+gate_passed=$cache/gate-passed  # the commit that passed the gate (.ci/run) last
 
 # A clone in another place finds what this one has compiled, with precompiled headers too.
 export CCACHE_BASEDIR=$root CCACHE_NOHASHDIR=1 CCACHE_SLOPPINESS=pch_defines,time_macros
