@@ -30,11 +30,11 @@ std::vector<std::string> follower_laws(const control::LawRegistry& laws) {
 
 void expect_task(const FollowerOptions& options) {
   if (!options.any() || is_driven(options.robot) == options.task.empty()) return;
-  throw std::invalid_argument(options.task.empty() ? "--follower " + options.robot +
-                                                         " requires --task: a simulated robot needs work, of " +
-                                                         text::join(task_names()) + " or FILE.toml"
-                                                   : "--task is for simulated robots; one behind a driver has work of "
-                                                     "its own");
+  if (!options.task.empty()) {
+    throw std::invalid_argument("--task is for simulated robots; one behind a driver has work of its own");
+  }
+  throw std::invalid_argument("--follower " + options.robot + " requires --task: a simulated robot needs work, of " +
+                              text::join(task_names()) + " or FILE.toml");
 }
 
 void add_follower_options(CLI::App& app, FollowerOptions& options, const control::LawRegistry& laws) {

@@ -39,9 +39,9 @@ void check_above_zero(const char* what, double value) {
 double initial_J(const FollowerSettings& settings, const Robot& robot) {
   if (settings.law != "fba-exact") {
     if (settings.initial_J.value_or(0) == 0) return 0;
-    throw std::invalid_argument("law '" + settings.law +
-                                "' cannot begin with a store: --robot-store must be 0 or left "
-                                "out, or the law fba-exact");
+    throw std::invalid_argument(
+        "law '" + settings.law +
+        "' cannot begin with a store: --robot-store must be 0 or left out, or the law fba-exact");
   }
   const double most_J = std::min(largest_initial_J(robot.model()), settings.store_J);
   if (!settings.initial_J) return find_architecture(settings.architecture).initial_share * most_J;
