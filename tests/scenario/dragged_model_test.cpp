@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-#include "forcebound/client/rendering/mass_step.hpp"
+#include "forcebound/local_model/mass_step.hpp"
 #include "forcebound/scene/dynamic_model.hpp"
 #include "forcebound/server/environment/body_models.hpp"
 #include "tests/tools/lab/rendering/rendering_tasks.hpp"
@@ -58,7 +58,7 @@ class DraggedTruth {
     EXPECT_TRUE(local_model::is_sound(model));
     return model.mass;
   }
-  [[nodiscard]] const client::DevicePoint& device() const { return device_; }
+  [[nodiscard]] const local_model::DevicePoint& device() const { return device_; }
   [[nodiscard]] local_model::Point force_N() { return world_->touch(seat_).force_N; }
   [[nodiscard]] bool sound() const { return world_->sound(); }
 
@@ -68,12 +68,13 @@ class DraggedTruth {
   std::unique_ptr<const device::Operator> hand_;
   std::unique_ptr<scene::DynamicModelState> world_;
   int seat_;
-  client::DevicePoint device_;
+  local_model::DevicePoint device_;
 };
 
 class DraggedModel : public testing::TestWithParam<Dragged> {};
 
-//   hand's path, every 1 ms --> server's bodies --(answer, every 100 ms)--> client::step, every 1 ms, on the same path
+//   hand's path, every 1 ms --> server's bodies --(answer, every 100 ms)--> local_model::step, every 1 ms, on the same
+//   path
 TEST_P(DraggedModel, GoesAsItsBodiesForATenthOfASecond) {
   if (!server::has_bodies()) GTEST_SKIP() << "built without MuJoCo";
   SCOPED_TRACE(GetParam().task);
@@ -82,23 +83,23 @@ TEST_P(DraggedModel, GoesAsItsBodiesForATenthOfASecond) {
   ASSERT_NE(task, kTasks.end());
   DraggedTruth truth(*task);
   std::optional<local_model::Mass> mass;
-  client::MassState state;
+  local_model::MassState state;
   double differed_N2 = 0;
   double felt_N2 = 0;
   for (int i = 1; i <= kStepsOfRun; ++i) {
     truth.advance(i);
     const local_model::Point force_N = truth.force_N();
-    if (mass) client::step(*mass, truth.device(), kDraggedStep_s, 1, state);
+    if (mass) local_model::step(*mass, truth.device(), kDraggedStep_s, 1, state);
     if (i > kStepsBefore) {
       ASSERT_TRUE(mass) << "nothing was told at " << i * kDraggedStep_s << " s";
-      differed_N2 += (-client::pull_N(*mass, state, truth.device()) - force_N).squaredNorm();
+      differed_N2 += (-local_model::pull_N(*mass, state, truth.device()) - force_N).squaredNorm();
       felt_N2 += force_N.squaredNorm();
     }
     // Asked on each step, as by a motion: what trembles is known from the last ones.
     const std::optional<local_model::Mass> told = truth.told();
     if (i % kStepsOfAnswer != 0) continue;
     mass = told;
-    if (mass) state = client::state_of(*mass);
+    if (mass) state = local_model::state_of(*mass);
   }
   ASSERT_TRUE(truth.sound());
   ASSERT_GT(felt_N2, 0);

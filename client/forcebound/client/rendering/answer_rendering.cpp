@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "forcebound/client/rendering/linear_field.hpp"
+#include "forcebound/control/translation.hpp"
 #include "forcebound/local_model/no_longer_than.hpp"
 
 namespace forcebound::client {
@@ -35,7 +36,7 @@ void AnswerRendering::forget_models() noexcept {
 
 /// The device's place and velocity on this tick.
 void AnswerRendering::look(const Tick& tick) noexcept {
-  const Point place_m = translation_of(tick.place);
+  const Point place_m = control::translation_of(tick.place);
   elapsed_s_ = looked_ ? time::to_seconds(tick.now - last_) : 0;
   if (!(elapsed_s_ > 0 && elapsed_s_ <= kPauseMost_s)) elapsed_s_ = 0;
   device_.velocity_m_per_s.setZero();
@@ -52,7 +53,7 @@ void AnswerRendering::advance(const ModelAge& age, Nanoseconds now) noexcept {
 }
 
 Point AnswerRendering::held_N(bool server_parts_alone) const noexcept {
-  return translation_of(server_parts_alone ? server_parts_N_ : force_N_);
+  return control::translation_of(server_parts_alone ? server_parts_N_ : force_N_);
 }
 
 /// What the device can show of an answer with its models. What fades is added to that: then a force beyond it, as of a

@@ -5,17 +5,18 @@
 #include <limits>
 #include <optional>
 
-#include "forcebound/client/rendering/device_point.hpp"
-#include "forcebound/client/rendering/dragged_mass.hpp"
 #include "forcebound/client/rendering/foresight.hpp"
 #include "forcebound/client/rendering/surface_contact.hpp"
 #include "forcebound/control/vector.hpp"
+#include "forcebound/local_model/device_point.hpp"
+#include "forcebound/local_model/dragged_mass.hpp"
 #include "forcebound/time/clock.hpp"
 #include "forcebound/wire/messages.hpp"
 
 namespace forcebound::client {
 
 using control::Vector;
+using local_model::DraggedMass;
 
 /// What of the server's newest answer is rendered how: the one place that decides it.
 ///

@@ -2,9 +2,9 @@
 
 #include <cstddef>
 
-#include "forcebound/client/rendering/tick_ring.hpp"
 #include "forcebound/local_model/local_model.hpp"
 #include "forcebound/time/clock.hpp"
+#include "forcebound/time/tick_ring.hpp"
 
 namespace forcebound::client {
 
@@ -43,7 +43,7 @@ class Foresight {
  private:
   static constexpr std::size_t kTicks = 512;
 
-  TickRing<Tick, kTicks> ticks_;
+  time::TickRing<Tick, kTicks> ticks_;
   Nanoseconds compared_{0};  // the newest time of which an answer told
   double modelled_N2_ = 0;
   double held_N2_ = 0;

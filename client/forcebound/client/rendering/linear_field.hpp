@@ -1,8 +1,11 @@
 #pragma once
 
-#include "forcebound/client/rendering/device_point.hpp"
+#include "forcebound/local_model/device_point.hpp"
 
 namespace forcebound::client {
+
+using local_model::DevicePoint;
+using local_model::Point;
 
 /// A local_model::Field at the device's place: f_0 + J (x - x_0). Real time.
 [[nodiscard]] inline Point force_N(const local_model::Field& field, const DevicePoint& device) noexcept {
@@ -10,7 +13,7 @@ namespace forcebound::client {
 }
 
 [[nodiscard]] inline double weight(const local_model::Field& field, const DevicePoint& device) noexcept {
-  return weight_at((device.place_m - field.place_m).norm(), field.radius_m);
+  return local_model::weight_at((device.place_m - field.place_m).norm(), field.radius_m);
 }
 
 }  // namespace forcebound::client

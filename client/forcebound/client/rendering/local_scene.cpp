@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "forcebound/client/rendering/device_point.hpp"
+#include "forcebound/control/translation.hpp"
 #include "forcebound/scene/geometry/bvh.hpp"
 
 namespace forcebound::client {
@@ -45,14 +45,14 @@ bool LocalScene::begin(const Vector& position, const scene::Point& place_m,
   if (touched) outside_m += (answer.penetration_m + kAbove_m) * answer.contact_normal;
   if (outside_m.rows() != position.rows() || !outside_m.allFinite()) return false;
   depth_m_ = 0;
-  if (!knows_about(place_m, (translation_of(outside_m) - place_m).norm())) return false;
+  if (!knows_about(place_m, (control::translation_of(outside_m) - place_m).norm())) return false;
   scene_->state.begin_again(outside_m, first_time_);
   return true;
 }
 
 std::optional<Answer> LocalScene::answer(const Vector& position, Nanoseconds device_time,
                                          const wire::EnvironmentForce* newest, const control::Handle& handle) noexcept {
-  const scene::Point place_m = translation_of(position);
+  const scene::Point place_m = control::translation_of(position);
   exchange_.store_place(place_m);
   adopt();
   if (scene_ == nullptr) return std::nullopt;

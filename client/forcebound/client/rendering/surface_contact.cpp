@@ -83,7 +83,7 @@ double SurfaceContact::weight(const DevicePoint& device, const ModelAge& age) co
   const double height_m = reported_.normal.dot(apart_m);
   // Above the surface there is no force to be wrong about, however far.
   if (height_m > 0) apart_m -= height_m * reported_.normal;
-  return weight_at(apart_m.norm(), reported_.radius_m);
+  return local_model::weight_at(apart_m.norm(), reported_.radius_m);
 }
 
 }  // namespace forcebound::client

@@ -1,9 +1,13 @@
 #pragma once
 
-#include "forcebound/client/rendering/device_point.hpp"
+#include "forcebound/local_model/device_point.hpp"
 #include "forcebound/scene/effects/bristle.hpp"
 
 namespace forcebound::client {
+
+using local_model::DevicePoint;
+using local_model::ModelAge;
+using local_model::Point;
 
 /// Renders a local_model::Surface at the device's own place and rate.
 ///

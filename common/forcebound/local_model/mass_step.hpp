@@ -2,12 +2,12 @@
 
 #include <array>
 
-#include "forcebound/client/rendering/device_point.hpp"
+#include "forcebound/local_model/device_point.hpp"
 #include "forcebound/local_model/local_model.hpp"
 
-namespace forcebound::client {
+namespace forcebound::local_model {
 
-/// Where a local_model::Mass is, and what it meets.
+/// Where a Mass is, and what it meets.
 struct MassState {
   /// What is met, since it was told of.
   struct Met {
@@ -20,19 +20,20 @@ struct MassState {
     Point rubbed_Ns = Point::Zero();
     Point dry_Ns = Point::Zero();
     double stopped_Ns = 0;
+    Point received_Ns = Point::Zero();  ///< impulse of the contact on what is met, of all steps together
   };
 
   Point place_m = Point::Zero();
   Point velocity_m_per_s = Point::Zero();
   Point dry_Ns = Point::Zero();  ///< impulse of dry friction in the last step
-  std::array<Met, local_model::Mass::kContactsMax> met{};
+  std::array<Met, Mass::kContactsMax> met{};
 };
 
 /// As it was told.
-[[nodiscard]] MassState state_of(const local_model::Mass& told) noexcept;
+[[nodiscard]] MassState state_of(const Mass& told) noexcept;
 
 /// Of the coupling on the mass.
-[[nodiscard]] Point pull_N(const local_model::Mass& mass, const MassState& state, const DevicePoint& device) noexcept;
+[[nodiscard]] Point pull_N(const Mass& mass, const MassState& state, const DevicePoint& device) noexcept;
 
 /// Moves it by a step. Springs and dampers are taken at the step's end: whatever their numbers and the step are, it
 /// stays stable, and those of the coupling and of joints give back no more than they took. What contacts and dry
@@ -42,7 +43,6 @@ struct MassState {
 /// @param device at the step's end
 /// @param share of what else pulls: less than 1 when the server does not say so any more
 /// Real time: noexcept, no allocation.
-void step(const local_model::Mass& mass, const DevicePoint& device, double step_s, double share,
-          MassState& state) noexcept;
+void step(const Mass& mass, const DevicePoint& device, double step_s, double share, MassState& state) noexcept;
 
-}  // namespace forcebound::client
+}  // namespace forcebound::local_model

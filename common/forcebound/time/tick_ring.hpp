@@ -6,7 +6,7 @@
 
 #include "forcebound/time/clock.hpp"
 
-namespace forcebound::client {
+namespace forcebound::time {
 
 /// The newest ticks, each with its time. Real time.
 template <class Tick, std::size_t kMost>
@@ -20,9 +20,9 @@ class TickRing {
   [[nodiscard]] const Tick& at(std::size_t ago) const noexcept { return ticks_[(count_ - 1 - ago) % kMost]; }
 
   /// How many of them were later: so long ago is the newest that was not, if it is below size().
-  [[nodiscard]] std::size_t later_than(time::Nanoseconds time) const noexcept {
+  [[nodiscard]] std::size_t later_than(Nanoseconds moment) const noexcept {
     std::size_t later = 0;
-    while (later < size() && at(later).time > time) ++later;
+    while (later < size() && at(later).time > moment) ++later;
     return later;
   }
 
@@ -31,4 +31,4 @@ class TickRing {
   std::size_t count_ = 0;  // of all that there were
 };
 
-}  // namespace forcebound::client
+}  // namespace forcebound::time

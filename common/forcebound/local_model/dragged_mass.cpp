@@ -1,10 +1,10 @@
-#include "forcebound/client/rendering/dragged_mass.hpp"
+#include "forcebound/local_model/dragged_mass.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <span>
 
-namespace forcebound::client {
+namespace forcebound::local_model {
 namespace {
 
 constexpr double kStepMost_s = 1e-3;
@@ -12,8 +12,7 @@ constexpr double kStepsMost = 100;
 
 /// For a tick or the rest of one, which ends where the device is, in steps of at most a millisecond.
 /// @return steps
-int move(const local_model::Mass& mass, const DevicePoint& device, double elapsed_s, double share,
-         MassState& state) noexcept {
+int move(const Mass& mass, const DevicePoint& device, double elapsed_s, double share, MassState& state) noexcept {
   const int steps = static_cast<int>(std::clamp(std::ceil(elapsed_s / kStepMost_s - 1e-6), 1.0, kStepsMost));
   const double step_s = std::min(elapsed_s / steps, kStepMost_s);
   for (int i = 1; i <= steps; ++i) {
@@ -26,7 +25,7 @@ int move(const local_model::Mass& mass, const DevicePoint& device, double elapse
 
 }  // namespace
 
-void DraggedMass::update(const local_model::Mass& told, const ModelAge& age, Nanoseconds now) noexcept {
+void DraggedMass::update(const Mass& told, const ModelAge& age, Nanoseconds now) noexcept {
   newest_N_ = told.force_N;
   now_ = now;
   if (coming_ && told.id == later_.id) return;
@@ -63,7 +62,7 @@ void DraggedMass::catch_up() noexcept {
   };
   int steps = 0;
   for (std::size_t later = ticks_.later_than(reached_); later > 0; --later) {
-    if (steps >= kCatchUp) return;
+    if (steps >= most_) return;
     const Tick& tick = ticks_.at(later - 1);
     go_straight_to(tick.time - time::from_seconds(tick.elapsed_s));
     steps += move(later_, tick.device, time::to_seconds(tick.time - reached_), tick.share, later_state_);
@@ -80,4 +79,4 @@ void DraggedMass::advance(const DevicePoint& device, double elapsed_s, Nanosecon
   if (coming_) catch_up();
 }
 
-}  // namespace forcebound::client
+}  // namespace forcebound::local_model

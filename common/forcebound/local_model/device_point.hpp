@@ -1,14 +1,8 @@
 #pragma once
 
-#include "forcebound/control/translation.hpp"
-#include "forcebound/control/vector.hpp"
 #include "forcebound/local_model/local_model.hpp"
 
-namespace forcebound::client {
-
-using control::translation_of;
-using control::Vector;
-using local_model::Point;
+namespace forcebound::local_model {
 
 /// The device's point on a tick.
 struct DevicePoint {
@@ -32,4 +26,4 @@ struct ModelAge {
   return left >= 1 ? 1 : left > 0 ? left : 0;
 }
 
-}  // namespace forcebound::client
+}  // namespace forcebound::local_model

@@ -1,4 +1,4 @@
-#include "forcebound/client/rendering/dragged_mass.hpp"
+#include "forcebound/local_model/dragged_mass.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 
 #include "tests/support/allocation_guard.hpp"
 
-namespace forcebound::client {
+namespace forcebound::local_model {
 namespace {
 
 using namespace std::chrono_literals;
@@ -20,7 +20,7 @@ constexpr double kPuck_kg = 0.1;
 constexpr double kPuckCoupling_N_per_m = 500;
 
 /// A puck in free space, at the origin.
-local_model::Mass free_puck() {
+Mass free_puck() {
   return {.id = 1,
           .stiffness_N_per_m = kPuckCoupling_N_per_m,
           .body = {.mobility_per_kg = Eigen::Matrix3d::Identity() / kPuck_kg},
@@ -62,7 +62,7 @@ TEST(DraggedMass, MovesAsFarInOneTickOfTwentyMillisecondsAsInTwentyOfOne) {
   const auto device_at = [](double time_s) {
     return DevicePoint{.place_m = {0.05 * time_s, 0, 0}, .velocity_m_per_s = {0.05, 0, 0}};
   };
-  local_model::Mass told = free_puck();
+  Mass told = free_puck();
   told.damping_N_s_per_m = 2;
   DraggedMass often;
   DraggedMass once;
@@ -75,7 +75,7 @@ TEST(DraggedMass, MovesAsFarInOneTickOfTwentyMillisecondsAsInTwentyOfOne) {
 }
 
 TEST(DraggedMass, ActsOnTheDeviceAsTheDeviceActsOnIt) {
-  local_model::Mass told = free_puck();
+  Mass told = free_puck();
   told.damping_N_s_per_m = 4;
   Drag drag;
   drag.mass.update(told, {}, drag.now);
@@ -89,18 +89,18 @@ TEST(DraggedMass, ActsOnTheDeviceAsTheDeviceActsOnIt) {
 }
 
 TEST(DraggedMass, PullsNoHarderThanItsReachAndSpeedAllow) {
-  local_model::Mass told = free_puck();
+  Mass told = free_puck();
   told.damping_N_s_per_m = 4;
   told.body.mobility_per_kg.setZero();
   DraggedMass mass;
   mass.update(told, {}, 0ms);
   const DevicePoint device{.place_m = {0, 90, 0}, .velocity_m_per_s = {0, 0, -70}};
-  const Point expected_N(0, -500 * local_model::Mass::kReachMost_m, 4 * local_model::Mass::kSpeedMost_m_per_s);
+  const Point expected_N(0, -500 * Mass::kReachMost_m, 4 * Mass::kSpeedMost_m_per_s);
   EXPECT_LT((mass.force_N(device) - expected_N).norm(), 1e-9);
 }
 
 TEST(DraggedMass, GoesOnThroughAnswersThatSayWhereItWasThen) {
-  local_model::Mass told = free_puck();
+  Mass told = free_puck();
   told.damping_N_s_per_m = 1;
   Drag with_answers;
   Drag alone;
@@ -142,7 +142,7 @@ TEST(DraggedMass, IsMovedAlongTheWayThatTheDeviceWentWhileThereWasNoMass) {
 // Of the last second the ring has 512 ticks; a damper slows what is known to have gone by them, and by 20 more.
 TEST(DraggedMass, GoesStraightOnThroughWhatTheRingDoesNotTellOf) {
   constexpr int kRing = 512;
-  local_model::Mass told = free_puck();
+  Mass told = free_puck();
   told.stiffness_N_per_m = 0;
   told.body.velocity_m_per_s = {0.1, 0, 0};
   told.body.damper_N_s_per_m = 0.2;
@@ -159,7 +159,7 @@ TEST(DraggedMass, GoesStraightOnThroughWhatTheRingDoesNotTellOf) {
 }
 
 TEST(DraggedMass, GoesStraightOnThroughAPauseInTheTicks) {
-  local_model::Mass told = free_puck();
+  Mass told = free_puck();
   told.stiffness_N_per_m = 0;
   told.body.velocity_m_per_s = {0.1, 0, 0};
   told.body.damper_N_s_per_m = 10;
@@ -174,7 +174,7 @@ TEST(DraggedMass, GoesStraightOnThroughAPauseInTheTicks) {
 }
 
 TEST(DraggedMass, TellsHowFarAnAnswerMovedIt) {
-  local_model::Mass told = free_puck();
+  Mass told = free_puck();
   told.stiffness_N_per_m = 0;
   Drag drag;
   drag.mass.update(told, {}, drag.now);
@@ -198,7 +198,7 @@ TEST(DraggedMass, TellsHowFarAnAnswerMovedIt) {
 
 TEST(DraggedMass, StandsUnlessSomethingButTheDevicePullsAtItOrAtWhatItMeets) {
   const auto stands = [](const auto& change) {
-    local_model::Mass told = free_puck();
+    Mass told = free_puck();
     told.contact_count = 1;
     change(told);
     DraggedMass mass;
@@ -212,18 +212,18 @@ TEST(DraggedMass, StandsUnlessSomethingButTheDevicePullsAtItOrAtWhatItMeets) {
   EXPECT_FALSE(stands([](auto& told) { told.contacts[0].met.bias_m_per_s2.x() = 1; }));
 }
 
-/// Log-uniform draws up to bounds that local_model::is_sound has.
+/// Log-uniform draws up to bounds that is_sound has.
 class WildMasses {
  public:
-  local_model::Mass draw() {
-    local_model::Mass mass{.id = static_cast<std::uint32_t>(random_() % 3),
-                           .place_m = point(1e3),
-                           .stiffness_N_per_m = size(1e7),
-                           .damping_N_s_per_m = size(1e5),
-                           .body = body(),
-                           .contact_count = static_cast<std::uint32_t>(random_() % 4),
-                           .radius_m = size(1e3)};
-    for (local_model::Contact& contact : mass.contacts) {
+  Mass draw() {
+    Mass mass{.id = static_cast<std::uint32_t>(random_() % 3),
+              .place_m = point(1e3),
+              .stiffness_N_per_m = size(1e7),
+              .damping_N_s_per_m = size(1e5),
+              .body = body(),
+              .contact_count = static_cast<std::uint32_t>(random_() % 4),
+              .radius_m = size(1e3)};
+    for (Contact& contact : mass.contacts) {
       contact = {.normal = point(1).normalized(),
                  .gap_m = size(1) - size(1),
                  .compliance_per_kg = zero_or(1e6),
@@ -243,7 +243,7 @@ class WildMasses {
  private:
   double sign() { return std::uniform_real_distribution(-1.0, 1.0)(random_); }
   double zero_or(double most) { return random_() % 4 == 0 ? 0 : size(most); }
-  local_model::Body body() {
+  Body body() {
     Eigen::Matrix3d root = Eigen::Matrix3d::Random();
     if (random_() % 3 == 0) root.row(0).setZero();
     Eigen::Matrix3d mobility = root.transpose() * root;
@@ -263,10 +263,10 @@ TEST(DraggedMass, StaysFiniteAndDoesNotAllocateWhateverItIsTold) {
   WildMasses masses;
   Drag drag;
   for (int i = 0; i < 5000; ++i) {
-    const local_model::Mass told = masses.draw();
+    const Mass told = masses.draw();
     const Point device_m = masses.point(1e3);
     const double age_s = masses.size(1);
-    local_model::LocalModel model{.mass = told};
+    LocalModel model{.mass = told};
     model.has_mass = true;
     ASSERT_TRUE(is_sound(model)) << i;
     const test::AllocationGuard guard;
@@ -279,4 +279,4 @@ TEST(DraggedMass, StaysFiniteAndDoesNotAllocateWhateverItIsTold) {
 }
 
 }  // namespace
-}  // namespace forcebound::client
+}  // namespace forcebound::local_model

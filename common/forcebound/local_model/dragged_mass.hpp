@@ -2,30 +2,32 @@
 
 #include <cstddef>
 
-#include "forcebound/client/rendering/device_point.hpp"
-#include "forcebound/client/rendering/mass_step.hpp"
-#include "forcebound/client/rendering/tick_ring.hpp"
+#include "forcebound/local_model/device_point.hpp"
+#include "forcebound/local_model/mass_step.hpp"
 #include "forcebound/time/clock.hpp"
+#include "forcebound/time/tick_ring.hpp"
 
-namespace forcebound::client {
+namespace forcebound::local_model {
 
 using time::Nanoseconds;
 
-/// Renders a local_model::Mass: moves it under the device's own force, at the device's own rate.
+/// Renders a Mass: moves it under the device's own force, at the device's own rate.
 ///
 /// An answer says where the mass was at some time before. Since then the device has gone a way that the client knows
 /// and the server does not: an answer's mass is moved along that way again until it has caught up with the present one,
 /// and takes its place. So nothing that a model neglects lasts for longer than an answer is old. While one catches up,
 /// later answers are passed over. Through what the ring of ticks does not tell of, the mass goes straight on.
 ///
-/// Real time: noexcept, no allocation; at most kCatchUp steps of a millisecond for an answer and on each tick, beside
+/// Real time: noexcept, no allocation; at most `catch_up` steps of a millisecond for an answer and on each tick, beside
 /// the tick's own.
 class DraggedMass {
  public:
   static constexpr int kCatchUp = 48;
 
+  explicit DraggedMass(int catch_up = kCatchUp) noexcept : most_(catch_up) {}
+
   /// Another answer tells of it. @param now of the device's clock
-  void update(const local_model::Mass& told, const ModelAge& age, Nanoseconds now) noexcept;
+  void update(const Mass& told, const ModelAge& age, Nanoseconds now) noexcept;
 
   void forget() noexcept { there_ = coming_ = false; }
 
@@ -52,6 +54,8 @@ class DraggedMass {
   [[nodiscard]] bool stands() const noexcept;
 
   [[nodiscard]] const Point& place_m() const noexcept { return state_.place_m; }
+  /// With what it meets.
+  [[nodiscard]] const MassState& state() const noexcept { return state_; }
 
   /// How far the last answer that took its place moved it [m]: what the models before had not foreseen.
   [[nodiscard]] double deviation_m() const noexcept { return there_ ? deviation_m_ : 0; }
@@ -68,18 +72,19 @@ class DraggedMass {
 
   void catch_up() noexcept;
 
+  int most_;
   Point newest_N_ = Point::Zero();
   bool there_ = false;
-  local_model::Mass reported_{};
+  Mass reported_{};
   MassState state_{};
   // The mass of a later answer, and until when it has been moved.
   bool coming_ = false;
-  local_model::Mass later_{};
+  Mass later_{};
   MassState later_state_{};
   Nanoseconds reached_{0};
   Nanoseconds now_{0};
   double deviation_m_ = 0;
-  TickRing<Tick, kTicks> ticks_;
+  time::TickRing<Tick, kTicks> ticks_;
 };
 
-}  // namespace forcebound::client
+}  // namespace forcebound::local_model

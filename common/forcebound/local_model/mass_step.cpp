@@ -1,4 +1,4 @@
-#include "forcebound/client/rendering/mass_step.hpp"
+#include "forcebound/local_model/mass_step.hpp"
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -7,13 +7,8 @@
 
 #include "forcebound/local_model/no_longer_than.hpp"
 
-namespace forcebound::client {
+namespace forcebound::local_model {
 namespace {
-
-using local_model::Body;
-using local_model::Contact;
-using local_model::Mass;
-using local_model::no_longer_than;
 
 constexpr int kSweeps = 6;
 
@@ -167,8 +162,9 @@ void step(const Mass& mass, const DevicePoint& device, double step_s, double sha
     MassState::Met& met = state.met.at(i);
     met.velocity_m_per_s = no_longer_than(bodies.at(i).velocity_m_per_s, Mass::kSpeedMost_m_per_s);
     met.moved_m += step_s * met.velocity_m_per_s;
+    met.received_Ns -= met.pressed_Ns * mass.contacts.at(i).normal + met.rubbed_Ns;
     met.gap_m += step_s * mass.contacts.at(i).normal.dot(state.velocity_m_per_s - met.velocity_m_per_s);
   }
 }
 
-}  // namespace forcebound::client
+}  // namespace forcebound::local_model

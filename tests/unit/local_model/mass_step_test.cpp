@@ -1,4 +1,4 @@
-#include "forcebound/client/rendering/mass_step.hpp"
+#include "forcebound/local_model/mass_step.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,12 +11,8 @@
 
 #include "tests/support/allocation_guard.hpp"
 
-namespace forcebound::client {
+namespace forcebound::local_model {
 namespace {
-
-using local_model::Body;
-using local_model::Contact;
-using local_model::Mass;
 
 constexpr double kBall_kg = 0.1;
 
@@ -346,4 +342,4 @@ TEST(MassStep, DryFrictionAddsNoEnergy) {
 // At least critically damped, as bodies are that touch.
 
 }  // namespace
-}  // namespace forcebound::client
+}  // namespace forcebound::local_model
