@@ -1059,6 +1059,98 @@ public struct ServerState {
   public ulong CallbacksLate;
   /// <summary>Share of its thread's time, of the last second.</summary>
   public double Busy;
+  /// <summary>Of a simulator, accepted.</summary>
+  public ulong Reports;
+  public ulong ReportsRefused;
+}
+
+/// <summary>A simulator that steps on its own thread at its own rate. See fb_simulator.</summary>
+public sealed class Simulator {
+  /// <summary>By which clients may ask for it, as for a scene; null: "simulator".</summary>
+  public string Name;
+  /// <summary>What it is, in one line for people; null: its name.</summary>
+  public string Simulated;
+  /// <summary>0: a point.</summary>
+  public double ProbeRadius_m;
+  /// <summary>0: 0.03.</summary>
+  public double ProbeMass_kg;
+  /// <summary>Of the coupling: no wall feels harder; 0: 2000.</summary>
+  public double ProbeStiffness_N_per_m;
+  /// <summary>0: 8.</summary>
+  public double ProbeDamping_N_s_per_m;
+
+  internal unsafe Native.fb_simulator Write(Native.Texts texts) {
+    return new Native.fb_simulator {
+      size = (UIntPtr)sizeof(Native.fb_simulator),
+      name = texts.Add(Name, nameof(Name)),
+      simulated = texts.Add(Simulated, nameof(Simulated)),
+      probe_radius_m = ProbeRadius_m,
+      probe_mass_kg = ProbeMass_kg,
+      probe_stiffness_N_per_m = ProbeStiffness_N_per_m,
+      probe_damping_N_s_per_m = ProbeDamping_N_s_per_m
+    };
+  }
+}
+
+/// <summary>How a probe pushed a place that was reported: the mean over its interval. See fb_push.</summary>
+public struct Push {
+  /// <summary>As it was reported.</summary>
+  public uint Body;
+  /// <summary>Likewise.</summary>
+  public double[] Place_m;
+  public double[] Force_N;
+}
+
+/// <summary>A client's probe as it was asked for. See fb_probe.</summary>
+public struct Probe {
+  /// <summary>A number that no other client has, before or after.</summary>
+  public ulong Client;
+  /// <summary>Since it was asked for before; 0: the first time, or no motion came since.</summary>
+  public double Interval_s;
+  /// <summary>Its centre.</summary>
+  public double[] Place_m;
+  public double[] Velocity_m_per_s;
+  public double[] Device_m;
+  /// <summary>Bit k: button k is pressed.</summary>
+  public uint Buttons;
+  public Push[] Pushes;
+}
+
+/// <summary>A place that a probe touches or may soon meet. See fb_touch, which says what is set to what.</summary>
+public struct Touch {
+  public uint Body;
+  /// <summary>Of the surface, nearest to the probe's centre.</summary>
+  public double[] Place_m;
+  /// <summary>Unit, out of the surface.</summary>
+  public double[] Normal;
+  /// <summary>Of the surface there; null: it stands.</summary>
+  public double[] Velocity_m_per_s;
+  /// <summary>3 x 3, row by row; null: it stands.</summary>
+  public double[] Mobility_per_kg;
+  /// <summary>On it there, of all but the probe; null: nothing.</summary>
+  public double[] Others_N;
+  public double Spring_N_per_m;
+  public double Damper_N_s_per_m;
+  public double DryFriction_N;
+  /// <summary>Of the probe along the surface.</summary>
+  public double Friction;
+  /// <summary>The surface goes on so far; 0: for ever.</summary>
+  public double Radius_m;
+
+  internal unsafe void Write(Native.fb_touch* to) {
+    to->size = (UIntPtr)sizeof(Native.fb_touch);
+    to->body = Body;
+    Native.Copy(Place_m, to->place_m, 3, nameof(Place_m));
+    Native.Copy(Normal, to->normal, 3, nameof(Normal));
+    if (Velocity_m_per_s != null) Native.Copy(Velocity_m_per_s, to->velocity_m_per_s, 3, nameof(Velocity_m_per_s));
+    if (Mobility_per_kg != null) Native.Copy(Mobility_per_kg, to->mobility_per_kg, 9, nameof(Mobility_per_kg));
+    if (Others_N != null) Native.Copy(Others_N, to->others_N, 3, nameof(Others_N));
+    to->spring_N_per_m = Spring_N_per_m;
+    to->damper_N_s_per_m = Damper_N_s_per_m;
+    to->dry_friction_N = DryFriction_N;
+    to->friction = Friction;
+    to->radius_m = Radius_m;
+  }
 }
 
 /// <summary>An environment for any number of clients, on a thread of the library. Any thread. The end of the program ends
@@ -1088,6 +1180,61 @@ public sealed class Server : IDisposable {
     }
   }
 
+  /// <summary>Takes the address, reads the keys. Once it is started, one thread at a time calls Ask and Report.</summary>
+  public unsafe Server(Simulator simulator, ServerSettings settings = null) {
+    Library.Require();
+    Native.Given(simulator, nameof(simulator));
+    thrown = new Thrown();
+    using (var texts = new Native.Texts()) {
+      Native.fb_server_settings native = (settings ?? new ServerSettings()).Write(texts);
+      Native.fb_simulator stepped = simulator.Write(texts);
+      IntPtr made;
+      Native.Check(Native.fb_server_of_simulator(&native, &stepped, out made));
+      handle = new Native.ServerHandle(made, default(GCHandle));
+    }
+  }
+
+  /// <summary>Of a simulator: where the probes are, and what they did since it was asked last. Before each step.</summary>
+  public unsafe Probe[] Ask() {
+    UIntPtr count;
+    Native.Check(Native.fb_server_ask(Open, out count));
+    var probes = new Probe[(int)count];
+    for (int k = 0; k < probes.Length; ++k) {
+      var native = new Native.fb_probe { size = (UIntPtr)sizeof(Native.fb_probe) };
+      Native.Check(Native.fb_server_probe(Open, (UIntPtr)k, &native));
+      probes[k] = new Probe {
+        Client = native.client,
+        Interval_s = native.interval_s,
+        Place_m = Native.Copied(native.place_m, 3),
+        Velocity_m_per_s = Native.Copied(native.velocity_m_per_s, 3),
+        Device_m = Native.Copied(native.device_m, 3),
+        Buttons = native.buttons,
+        Pushes = new Push[native.push_count]
+      };
+      for (int i = 0; i < probes[k].Pushes.Length; ++i) {
+        var push = new Native.fb_push { size = (UIntPtr)sizeof(Native.fb_push) };
+        Native.Check(Native.fb_server_push(Open, (UIntPtr)k, (UIntPtr)i, &push));
+        probes[k].Pushes[i] = new Push { Body = push.body, Place_m = Native.Copied(push.place_m, 3),
+                                         Force_N = Native.Copied(push.force_N, 3) };
+      }
+    }
+    return probes;
+  }
+
+  /// <summary>Of a simulator, after its step: what a probe meets, three places at most; none: nothing.</summary>
+  /// <returns>False: that client has left.</returns>
+  public unsafe bool Report(ulong client, params Touch[] touches) {
+    Native.Given(touches, nameof(touches));
+    Native.fb_touch* native = stackalloc Native.fb_touch[Native.FB_TOUCHES_MAX];
+    for (int k = 0; k < Math.Min(touches.Length, Native.FB_TOUCHES_MAX); ++k) {
+      native[k] = new Native.fb_touch();
+      touches[k].Write(&native[k]);
+    }
+    int status = Native.fb_server_report(Open, client, native, (UIntPtr)touches.Length);
+    if (status != Native.FB_NOT_NOW) Native.Check(status);
+    return status == Native.FB_OK;
+  }
+
   /// <summary>Starts the thread. Once.</summary>
   public void Start() {
     Native.Check(Native.fb_server_start(Open));
@@ -1112,7 +1259,9 @@ public sealed class Server : IDisposable {
       ForcesZero = native.forces_zero,
       CallbacksFailed = native.callbacks_failed,
       CallbacksLate = native.callbacks_late,
-      Busy = native.busy
+      Busy = native.busy,
+      Reports = native.reports,
+      ReportsRefused = native.reports_refused
     };
   }
 
@@ -1162,6 +1311,7 @@ internal static unsafe class Native {
   internal const int FB_AXES_MAX = 6;
   internal const int FB_JOINTS_MAX = 7;
   internal const int FB_TEXT_BYTES = 256;
+  internal const int FB_TOUCHES_MAX = 3;
   internal const int FB_OK = 0;
   internal const int FB_INVALID = 1;
   internal const int FB_FAILED = 2;
@@ -1412,6 +1562,57 @@ internal static unsafe class Native {
     public ulong callbacks_failed;
     public ulong callbacks_late;
     public double busy;
+    public ulong reports;
+    public ulong reports_refused;
+  }
+
+  [StructLayout(LayoutKind.Sequential)]
+  internal struct fb_simulator {
+    public UIntPtr size;
+    public IntPtr name;
+    public IntPtr simulated;
+    public double probe_radius_m;
+    public double probe_mass_kg;
+    public double probe_stiffness_N_per_m;
+    public double probe_damping_N_s_per_m;
+  }
+
+  [StructLayout(LayoutKind.Sequential)]
+  internal struct fb_probe {
+    public UIntPtr size;
+    public ulong client;
+    public double interval_s;
+    public fixed double place_m[3];
+    public fixed double velocity_m_per_s[3];
+    public fixed double device_m[3];
+    public uint buttons;
+    public uint push_count;
+  }
+
+  [StructLayout(LayoutKind.Sequential)]
+  internal struct fb_push {
+    public UIntPtr size;
+    public uint body;
+    public uint reserved;
+    public fixed double place_m[3];
+    public fixed double force_N[3];
+  }
+
+  [StructLayout(LayoutKind.Sequential)]
+  internal struct fb_touch {
+    public UIntPtr size;
+    public uint body;
+    public uint reserved;
+    public fixed double place_m[3];
+    public fixed double normal[3];
+    public fixed double velocity_m_per_s[3];
+    public fixed double mobility_per_kg[9];
+    public fixed double others_N[3];
+    public double spring_N_per_m;
+    public double damper_N_s_per_m;
+    public double dry_friction_N;
+    public double friction;
+    public double radius_m;
   }
 
   [UnmanagedFunctionPointer(C)] internal delegate int Read(IntPtr user, fb_reading* reading);
@@ -1469,6 +1670,18 @@ internal static unsafe class Native {
   [DllImport(Name, CallingConvention = C)]
   internal static extern int fb_server_summary(ServerHandle server, byte[] text, UIntPtr bytes, out UIntPtr needed);
 
+  [DllImport(Name, CallingConvention = C)]
+  internal static extern int fb_server_of_simulator(fb_server_settings* settings, fb_simulator* simulator,
+                                                    out IntPtr server);
+  [DllImport(Name, CallingConvention = C)]
+  internal static extern int fb_server_ask(ServerHandle server, out UIntPtr probes);
+  [DllImport(Name, CallingConvention = C)]
+  internal static extern int fb_server_probe(ServerHandle server, UIntPtr index, fb_probe* probe);
+  [DllImport(Name, CallingConvention = C)]
+  internal static extern int fb_server_push(ServerHandle server, UIntPtr probe, UIntPtr index, fb_push* push);
+  [DllImport(Name, CallingConvention = C)]
+  internal static extern int fb_server_report(ServerHandle server, ulong client, fb_touch* touches, UIntPtr count);
+
   internal abstract class Handle : SafeHandle {
     protected Handle(IntPtr made) : base(IntPtr.Zero, true) { SetHandle(made); }
     public override bool IsInvalid => handle == IntPtr.Zero;
@@ -1508,7 +1721,7 @@ internal static unsafe class Native {
     internal ServerHandle(IntPtr made, GCHandle user) : base(made) { this.user = user; }
     protected override bool ReleaseHandle() {
       fb_server_destroy(handle);
-      user.Free();
+      if (user.IsAllocated) user.Free();
       return true;
     }
   }
@@ -1599,6 +1812,17 @@ internal static unsafe class Native {
     if (array != null && array.Length == expected) return;
     throw new ArgumentException(name + (array == null ? " is null" : " has " + array.Length + " numbers") + ", expected " +
                                 expected, name);
+  }
+
+  internal static void Copy(double[] from, double* to, int length, string name) {
+    Length(from, length, name);
+    Marshal.Copy(from, 0, (IntPtr)to, length);
+  }
+
+  internal static double[] Copied(double* from, int length) {
+    var copy = new double[length];
+    Marshal.Copy((IntPtr)from, copy, 0, length);
+    return copy;
   }
 
   internal static T Open<T>(T handle, string name) where T : SafeHandle {

@@ -431,6 +431,90 @@ typedef struct fb_server_settings {
 FB_EXPORT fb_status fb_server_create(const fb_server_settings* settings, const fb_environment* environment,
                                      fb_server** server);
 
+/* ---- A simulator of yours that steps on its own thread at its own rate, from 20 Hz on, in real time.
+ *
+ * Each device touches it with a probe: a ball on a virtual coupling, which the server moves at the device's rate. Before a
+ * step the simulator asks where the probes are and how they pushed since it asked last; after it, it reports what each
+ * probe meets. Until the next report the probe goes on against that, here and at a client that renders locally.
+ *
+ *     for (;;) {
+ *       fb_server_ask(server, &count);
+ *       for (k = 0; k < count; ++k) fb_server_probe(server, k, &probe[k]);     fb_server_push, then step
+ *       for (k = 0; k < count; ++k) fb_server_report(server, probe[k].client, touches, touch_count);
+ *     }
+ *
+ * Without a report for 0.25 s a probe's force fades, and is zero after 1 s. One thread at a time asks, reads and reports. */
+
+#define FB_TOUCHES_MAX 3 /* of a probe */
+
+/* Only `size` has to be set. */
+typedef struct fb_simulator {
+  size_t size;
+  const char* name;      /* by which clients may ask for it, as for a scene; null: "simulator" */
+  const char* simulated; /* what it is, in one line for people; null: its name */
+  double probe_radius_m; /* 0: a point */
+  double probe_mass_kg;  /* 0: 0.03 */
+  double probe_stiffness_N_per_m;   /* of the coupling: no wall feels harder; 0: 2000 */
+  double probe_damping_N_s_per_m;   /* 0: 8 */
+} fb_simulator;
+
+/* As fb_server_create. */
+FB_EXPORT fb_status fb_server_of_simulator(const fb_server_settings* settings, const fb_simulator* simulator,
+                                           fb_server** server);
+
+/* A client's probe as it was asked for. */
+typedef struct fb_probe {
+  size_t size;
+  uint64_t client;   /* a number that no other client has, before or after */
+  double interval_s; /* since it was asked for before; 0: the first time, or no motion came since */
+  double place_m[3]; /* its centre */
+  double velocity_m_per_s[3];
+  double device_m[3];
+  uint32_t buttons; /* bit k: button k is pressed */
+  uint32_t push_count;
+} fb_probe;
+
+/* What probes did since the last time. @param probes how many there are. Waits for nobody. */
+FB_EXPORT fb_status fb_server_ask(fb_server* server, size_t* probes);
+
+/* FB_NOTHING: there are no more. Likewise. */
+FB_EXPORT fb_status fb_server_probe(fb_server* server, size_t index, fb_probe* probe);
+
+/* How a probe pushed a place that was reported: the mean over its interval. */
+typedef struct fb_push {
+  size_t size;
+  uint32_t body; /* as it was reported */
+  uint32_t reserved;
+  double place_m[3]; /* likewise */
+  double force_N[3];
+} fb_push;
+
+/* @param probe its index @param index below fb_probe.push_count. FB_NOTHING: there are no more. Likewise. */
+FB_EXPORT fb_status fb_server_push(fb_server* server, size_t probe, size_t index, fb_push* push);
+
+/* A place that a probe touches or may soon meet, at the end of the step that began when it was asked for. Pushed by f, it
+ * goes on by  z'' = W (f + others - k z - c z' + dry friction)  from where it is. */
+typedef struct fb_touch {
+  size_t size;
+  uint32_t body; /* as the simulator calls it */
+  uint32_t reserved;
+  double place_m[3];  /* of the surface, nearest to the probe's centre */
+  double normal[3];   /* unit, out of the surface */
+  double velocity_m_per_s[3];
+  double mobility_per_kg[9]; /* W, symmetric, row by row: J M^-1 J' there; zero: it stands */
+  double others_N[3];        /* on it there, of all but the probe: gravity, its own springs */
+  double spring_N_per_m;     /* k, */
+  double damper_N_s_per_m;   /* c, and */
+  double dry_friction_N;     /* of what it slides on */
+  double friction;           /* of the probe along the surface */
+  double radius_m;           /* the surface goes on so far; 0: for ever */
+} fb_touch;
+
+/* @param touches may be null if `count` is 0: it meets nothing
+ * FB_INVALID: a touch is not what it has to be. FB_NOT_NOW: there is no such client, or it was not asked for. Both are
+ * counted (fb_server_state), and what was reported before holds. */
+FB_EXPORT fb_status fb_server_report(fb_server* server, uint64_t client, const fb_touch* touches, size_t count);
+
 /* Starts the thread. Once. */
 FB_EXPORT fb_status fb_server_start(fb_server* server);
 
@@ -455,6 +539,8 @@ typedef struct fb_server_state {
   uint64_t callbacks_failed;   /* they said so, or threw */
   uint64_t callbacks_late;     /* took more than 10 ms */
   double busy;                 /* share of its thread's time, of the last second */
+  uint64_t reports;            /* of a simulator, accepted */
+  uint64_t reports_refused;
 } fb_server_state;
 
 /* Any thread, at any time. */

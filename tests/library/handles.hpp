@@ -17,6 +17,18 @@ struct End {
 template <class Handle>
 using Owned = std::unique_ptr<Handle, End>;
 
+inline fb_server_settings at_free_port() {
+  fb_server_settings settings = FB_INIT(fb_server_settings);
+  settings.listen = "127.0.0.1:0";
+  return settings;
+}
+
+inline fb_server_state state_of(const Owned<fb_server>& server) {
+  fb_server_state state = FB_INIT(fb_server_state);
+  EXPECT_EQ(fb_server_look(server.get(), &state), FB_OK) << fb_last_error();
+  return state;
+}
+
 inline constexpr const char* kStillFacts =
     "kind = \"cartesian\"\ndegrees_of_freedom = 1\ndamping_N_s_per_m = 5\nforce_N_max = 20\nhold_s_max = 0.005\n";
 

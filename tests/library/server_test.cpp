@@ -63,18 +63,6 @@ fb_environment environment_of(Spring& spring) {
   return environment;
 }
 
-fb_server_settings at_free_port() {
-  fb_server_settings settings = FB_INIT(fb_server_settings);
-  settings.listen = "127.0.0.1:0";
-  return settings;
-}
-
-fb_server_state state_of(const Owned<fb_server>& server) {
-  fb_server_state state = FB_INIT(fb_server_state);
-  EXPECT_EQ(fb_server_look(server.get(), &state), FB_OK) << fb_last_error();
-  return state;
-}
-
 Owned<fb_server> started(const fb_environment& environment, const fb_server_settings& settings = at_free_port()) {
   fb_server* server = nullptr;
   EXPECT_EQ(fb_server_create(&settings, &environment, &server), FB_OK) << fb_last_error();

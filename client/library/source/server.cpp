@@ -1,5 +1,6 @@
 #include "library/source/server.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -9,6 +10,7 @@
 #include "forcebound/net/endpoint.hpp"
 #include "forcebound/server/offer/environment_library.hpp"
 #include "forcebound/server/security/key_files.hpp"
+#include "forcebound/server/simulator/simulator_environment.hpp"
 #include "library/source/errors.hpp"
 #include "library/source/structs.hpp"
 
@@ -25,11 +27,11 @@ std::size_t count_of(const char* name, std::int32_t given, std::size_t standard)
   return given == 0 ? standard : static_cast<std::size_t>(given);
 }
 
-server::ServerOptions options_of(const fb_server_settings& given, const std::string& environment) {
+server::ServerOptions options_of(const fb_server_settings& given) {
   if (!(given.idle_s >= 0 && given.idle_s <= 1e6)) {
     throw std::invalid_argument("fb_server_settings.idle_s must be 0 to 1e6 s; 0: 60 s");
   }
-  server::ServerOptions options{.scene = environment};
+  server::ServerOptions options;
   options.sessions_max = count_of("clients_max", given.clients_max, options.sessions_max);
   options.sessions_per_address = count_of("clients_per_address", given.clients_per_address, 0);
   if (given.idle_s > 0) options.idle_timeout = time::from_seconds(given.idle_s);
@@ -49,10 +51,31 @@ void expect_environment(const fb_environment& given) {
   }
 }
 
-fb_status create(const fb_server_settings& given, const fb_environment& environment, fb_server** server) {
-  expect_environment(environment);
-  auto callbacks = std::make_shared<EnvironmentCallbacks>(environment);
-  const server::ServerOptions options = options_of(given, callbacks->name);
+Served served_by(const fb_environment& given) {
+  expect_environment(given);
+  auto callbacks = std::make_shared<EnvironmentCallbacks>(given);
+  return {.kind = kind_of(callbacks), .simulated = callbacks->simulated, .callbacks = callbacks};
+}
+
+Served served_by(const fb_simulator& given, std::size_t clients_most) {
+  const std::string name = text_of(given.name, "simulator");
+  if (name.empty()) throw std::invalid_argument("fb_simulator.name must be a name, or null; it is empty");
+  const server::ProbeFacts standard;
+  const auto or_standard = [](double value, double otherwise) { return value == 0 ? otherwise : value; };
+  const auto simulator = std::make_shared<server::Simulator>(
+      server::ProbeFacts{.radius_m = given.probe_radius_m,
+                         .mass_kg = or_standard(given.probe_mass_kg, standard.mass_kg),
+                         .stiffness_N_per_m = or_standard(given.probe_stiffness_N_per_m, standard.stiffness_N_per_m),
+                         .damping_N_s_per_m = or_standard(given.probe_damping_N_s_per_m, standard.damping_N_s_per_m)},
+      static_cast<int>(clients_most));
+  const std::string simulated = text_of(given.simulated, name);
+  return {.kind = server::simulator_environment({.name = name, .simulated = simulated}, simulator),
+          .simulated = simulated,
+          .simulator = simulator};
+}
+
+fb_status create(const fb_server_settings& given, server::ServerOptions options, Served served, fb_server** server) {
+  options.scene = served.kind.name;
   const server::KeyFiles files{.key = text_of(given.key),
                                .clients = text_of(given.clients),
                                .psk = text_of(given.shared_key),
@@ -60,9 +83,9 @@ fb_status create(const fb_server_settings& given, const fb_environment& environm
   server::expect_bounds(files);
   const net::Address address = net::resolve(net::parse_endpoint(text_of(given.listen, "127.0.0.1:47800")));
   server::expect_encryption(files, address);
-  auto keys = server::read_keys(files, {callbacks->name});
+  auto keys = server::read_keys(files, {served.kind.name});
   *server =
-      std::make_unique<fb_server>(server::listen_at(address), options, std::move(callbacks), std::move(keys)).release();
+      std::make_unique<fb_server>(server::listen_at(address), options, std::move(served), std::move(keys)).release();
   return FB_OK;
 }
 
@@ -103,9 +126,13 @@ fb_server_state state_of(const fb_server& server, const server::UdpServer::Figur
   state.motions = figures.counters.motions_received;
   state.forces = figures.counters.forces_sent;
   state.forces_zero = figures.counters.responses_unsound;
-  state.callbacks_failed = server.callbacks->calls.failed();
-  state.callbacks_late = server.callbacks->calls.late();
+  if (server.served.callbacks != nullptr) {
+    state.callbacks_failed = server.served.callbacks->calls.failed();
+    state.callbacks_late = server.served.callbacks->calls.late();
+  }
   state.busy = figures.busy;
+  state.reports = server.reports;
+  state.reports_refused = server.reports_refused;
   return state;
 }
 
@@ -121,13 +148,15 @@ std::string summary_of(const fb_server& server) {
   }
   const nlohmann::ordered_json summary{{"program", "libforcebound " FORCEBOUND_VERSION},
                                        {"address", state.address},
-                                       {"environment", server.callbacks->name},
-                                       {"simulated", server.callbacks->simulated},
+                                       {"environment", server.served.kind.name},
+                                       {"simulated", server.served.simulated},
                                        {"encryption", server.encryption},
                                        {"clients", state.clients},
                                        {"callbacks_failed", state.callbacks_failed},
                                        {"callbacks_late", state.callbacks_late},
                                        {"busy", state.busy},
+                                       {"reports", state.reports},
+                                       {"reports_refused", state.reports_refused},
                                        {"counts", counts}};
   return summary.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
@@ -139,19 +168,19 @@ using namespace forcebound;  // NOLINT(google-build-using-namespace)
 
 namespace {
 
-server::EnvironmentLibrary library_of(const std::shared_ptr<library::EnvironmentCallbacks>& callbacks) {
+server::EnvironmentLibrary library_of(const server::EnvironmentKind& kind) {
   server::EnvironmentLibrary environments;
-  environments.add(library::kind_of(callbacks));
+  environments.add(kind);
   return environments;
 }
 
 }  // namespace
 
-fb_server::fb_server(net::UdpLink link, const server::ServerOptions& options,
-                     std::shared_ptr<library::EnvironmentCallbacks> serves, std::optional<server::ServerKeys> keys)
-    : callbacks(std::move(serves)),
+fb_server::fb_server(net::UdpLink link, const server::ServerOptions& options, library::Served given,
+                     std::optional<server::ServerKeys> keys)
+    : served(std::move(given)),
       encryption(server::encryption_name(keys)),
-      server(std::move(link), options, library_of(callbacks), nullptr, std::move(keys)) {}
+      server(std::move(link), options, library_of(served.kind), nullptr, std::move(keys)) {}
 
 fb_status fb_server_create(const fb_server_settings* settings, const fb_environment* environment, fb_server** server) {
   constexpr const char* kFunction = "fb_server_create";
@@ -162,7 +191,26 @@ fb_status fb_server_create(const fb_server_settings* settings, const fb_environm
   if (given.status() != FB_OK) return given.status();
   const library::Given<fb_environment> felt(kFunction, "fb_environment", environment, library::kEnvironmentLeast);
   if (felt.status() != FB_OK) return felt.status();
-  return library::guarded(kFunction, [&] { return library::create(*given, *felt, server); });
+  return library::guarded(kFunction, [&] {
+    return library::create(*given, library::options_of(*given), library::served_by(*felt), server);
+  });
+}
+
+fb_status fb_server_of_simulator(const fb_server_settings* settings, const fb_simulator* simulator,
+                                 fb_server** server) {
+  constexpr const char* kFunction = "fb_server_of_simulator";
+  if (server == nullptr) return library::refused(kFunction, "server is null");
+  const fb_server_settings standard = FB_INIT(fb_server_settings);
+  const library::Given<fb_server_settings> given(kFunction, "fb_server_settings",
+                                                 settings == nullptr ? &standard : settings, sizeof(std::size_t));
+  if (given.status() != FB_OK) return given.status();
+  const library::Given<fb_simulator> felt(kFunction, "fb_simulator", simulator, sizeof(std::size_t));
+  if (felt.status() != FB_OK) return felt.status();
+  return library::guarded(kFunction, [&] {
+    server::ServerOptions options = library::options_of(*given);
+    options.sessions_max = std::min(options.sessions_max, library::kProbesMost);
+    return library::create(*given, options, library::served_by(*felt, options.sessions_max), server);
+  });
 }
 
 fb_status fb_server_start(fb_server* server) {
