@@ -104,7 +104,7 @@ static partial class Checks {
 
   static void ServersAreRefusedWithOneLine() {
     Environment spring = SpringOf(answer => true);
-    Thrown<ArgumentNullException>(() => new Server(null));
+    Thrown<ArgumentNullException>(() => new Server((Environment)null));
     Thrown<ArgumentNullException>(() => new Environment(null));
     using (Server first = Started(spring)) {
       foreach (ServerSettings wrong in new[] { new ServerSettings { Listen = "nowhere" },
@@ -116,6 +116,41 @@ static partial class Checks {
       Thrown<ForceboundException>(first.Start, "a server runs once");
       first.Dispose();
       Thrown<ObjectDisposedException>(() => first.Look());
+    }
+  }
+
+  // A floor, which is reported once a step; the device is held below it.
+  static void SimulatorIsFeltBetweenItsSteps() {
+    const string threeAxes =
+        "kind = \"cartesian\"\ndegrees_of_freedom = 3\ndamping_N_s_per_m = 5\nforce_N_max = 20\nhold_s_max = 0.005\n";
+    ReadDevice read = reading => {
+      reading.Position_m[2] = -Held_m;
+      return true;
+    };
+    using (var floor = new Server(new Simulator { Name = "floor" }, new ServerSettings { Listen = "127.0.0.1:0" })) {
+      floor.Start();
+      var settings = new ClientSettings { Server = floor.Look().Address, Once = true };
+      double pushed_N = 0;
+      using (Facts facts = Facts.Parse(threeAxes, "held"))
+      using (Device device = Device.Of(facts, read, force_N => true))
+      using (var client = new Client(settings, device)) {
+        client.Start();
+        Until(client, state => {
+          foreach (Probe probe in floor.Ask()) {
+            foreach (Push push in probe.Pushes) pushed_N = push.Body == 7 ? push.Force_N[2] : 0;
+            Expect(floor.Report(probe.Client, new Touch { Body = 7, Place_m = new double[3],
+                                                          Normal = new double[] { 0, 0, 1 } }), "a report");
+          }
+          return state.Request_N[2] > 1.9 && pushed_N < -1.9;
+        }, "2 N of the floor");
+        Thrown<ArgumentException>(() => floor.Report(1, new Touch { Place_m = new double[2] }));
+        Console.WriteLine(Thrown<ForceboundException>(
+            () => floor.Report(1, new Touch { Place_m = new double[3], Normal = new double[3] })).Message);
+        Expect(!floor.Report(99), "a client that is not there");
+        client.Stop();
+      }
+      ServerState end = floor.Look();
+      Expect(end.Reports > 0 && end.ReportsRefused == 2, "two refused, got " + end.ReportsRefused);
     }
   }
 

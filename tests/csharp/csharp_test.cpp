@@ -76,6 +76,7 @@ TEST(CSharp, ServesAnEnvironment) { expect_passes("EnvironmentIsFelt"); }
 TEST(CSharp, SendsZeroForceWhereAnEnvironmentThrows) { expect_passes("ExceptionsOfAnEnvironmentEndInZeroForce"); }
 TEST(CSharp, RefusesClientsThatAnEnvironmentRefuses) { expect_passes("AnEnvironmentMayRefuseClients"); }
 TEST(CSharp, RefusesServersInOneLine) { expect_passes("ServersAreRefusedWithOneLine"); }
+TEST(CSharp, StepsASimulatorThatIsFelt) { expect_passes("SimulatorIsFeltBetweenItsSteps"); }
 TEST(CSharp, EndsWithAServerThatRuns) { expect_passes("TheProgramMayEndWithItsServer"); }
 TEST(CSharp, FeelsTheWallByCallbacks) { expect_passes_with_server("CallbacksFeelTheWall"); }
 TEST(CSharp, ShowsZeroForceWhereACallbackThrows) { expect_passes_with_server("ExceptionsOfCallbacksEndInZeroForce"); }

@@ -49,7 +49,8 @@ int main(int count, char** arguments) {
   struct sled sled = {0, 0};
   settings.listen = count > 1 ? arguments[1] : NULL; /* "127.0.0.1:0": any free port */
   simulator.name = "sled";
-  if (fb_server_of_simulator(&settings, &simulator, &server) || fb_server_start(server) || fb_server_look(server, &state))
+  if (fb_server_of_simulator(&settings, &simulator, &server) || fb_server_start(server) ||
+      fb_server_look(server, &state))
     return fprintf(stderr, "%s\n", fb_last_error()), 1;
   printf("stepping at %s for %g s\n", state.address, duration_s);
   fflush(stdout);
