@@ -1092,13 +1092,14 @@ public sealed class Simulator {
   }
 }
 
-/// <summary>How a probe pushed a place that was reported: the mean over its interval. See fb_push.</summary>
+/// <summary>What a probe gave a place that was reported, since it was asked for before: a step of h seconds applies
+/// Impulse_Ns / h. See fb_push.</summary>
 public struct Push {
   /// <summary>As it was reported.</summary>
   public uint Body;
   /// <summary>Likewise.</summary>
   public double[] Place_m;
-  public double[] Force_N;
+  public double[] Impulse_Ns;
 }
 
 /// <summary>A client's probe as it was asked for. See fb_probe.</summary>
@@ -1215,7 +1216,7 @@ public sealed class Server : IDisposable {
         var push = new Native.fb_push { size = (UIntPtr)sizeof(Native.fb_push) };
         Native.Check(Native.fb_server_push(Open, (UIntPtr)k, (UIntPtr)i, &push));
         probes[k].Pushes[i] = new Push { Body = push.body, Place_m = Native.Copied(push.place_m, 3),
-                                         Force_N = Native.Copied(push.force_N, 3) };
+                                         Impulse_Ns = Native.Copied(push.impulse_Ns, 3) };
       }
     }
     return probes;
@@ -1595,7 +1596,7 @@ internal static unsafe class Native {
     public uint body;
     public uint reserved;
     public fixed double place_m[3];
-    public fixed double force_N[3];
+    public fixed double impulse_Ns[3];
   }
 
   [StructLayout(LayoutKind.Sequential)]

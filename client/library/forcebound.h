@@ -434,16 +434,20 @@ FB_EXPORT fb_status fb_server_create(const fb_server_settings* settings, const f
 /* ---- A simulator of yours that steps on its own thread at its own rate, from 20 Hz on, in real time.
  *
  * Each device touches it with a probe: a ball on a virtual coupling, which the server moves at the device's rate. Before a
- * step the simulator asks where the probes are and how they pushed since it asked last; after it, it reports what each
+ * step the simulator asks where the probes are and what they pushed since it asked last; after it, it reports what each
  * probe meets. Until the next report the probe goes on against that, here and at a client that renders locally.
  *
  *     for (;;) {
- *       fb_server_ask(server, &count);
- *       for (k = 0; k < count; ++k) fb_server_probe(server, k, &probe[k]);     fb_server_push, then step
- *       for (k = 0; k < count; ++k) fb_server_report(server, probe[k].client, touches, touch_count);
+ *       fb_server_ask(server, &probes);
+ *       for (k = 0; k < probes; ++k)
+ *         for (i = 0; fb_server_push(server, k, i, &push) == FB_OK; ++i) ...   apply push.impulse_Ns / step at push.place_m
+ *       ...                                                                   step
+ *       for (k = 0; fb_server_probe(server, k, &probe) == FB_OK; ++k)
+ *         fb_server_report(server, probe.client, touches, count);             what is at probe.place_m now
  *     }
  *
- * Without a report for 0.25 s a probe's force fades, and is zero after 1 s. One thread at a time asks, reads and reports. */
+ * Probes push as hard as the hand is asked to feel; of that the law at the device may apply less. Without a report for
+ * 0.25 s a probe's force and pushes fade, to zero after 1 s. One thread at a time asks, reads and reports. */
 
 #define FB_TOUCHES_MAX 3 /* of a probe */
 
@@ -452,10 +456,10 @@ typedef struct fb_simulator {
   size_t size;
   const char* name;      /* by which clients may ask for it, as for a scene; null: "simulator" */
   const char* simulated; /* what it is, in one line for people; null: its name */
-  double probe_radius_m; /* 0: a point */
-  double probe_mass_kg;  /* 0: 0.03 */
-  double probe_stiffness_N_per_m;   /* of the coupling: no wall feels harder; 0: 2000 */
-  double probe_damping_N_s_per_m;   /* 0: 8 */
+  double probe_radius_m;          /* 0: a point; up to 1 */
+  double probe_mass_kg;           /* 0.001 to 100; 0: 0.03 */
+  double probe_stiffness_N_per_m; /* of the coupling, up to 1e5: no wall feels harder; 0: 2000 */
+  double probe_damping_N_s_per_m; /* up to 1e4; 0: 8 */
 } fb_simulator;
 
 /* As fb_server_create. */
@@ -466,12 +470,12 @@ FB_EXPORT fb_status fb_server_of_simulator(const fb_server_settings* settings, c
 typedef struct fb_probe {
   size_t size;
   uint64_t client;   /* a number that no other client has, before or after */
-  double interval_s; /* since it was asked for before; 0: the first time, or no motion came since */
+  double interval_s; /* since it was asked for before, by motions that came; 0: the first time, or none came */
   double place_m[3]; /* its centre */
   double velocity_m_per_s[3];
   double device_m[3];
   uint32_t buttons; /* bit k: button k is pressed */
-  uint32_t push_count;
+  uint32_t push_count; /* up to 6 */
 } fb_probe;
 
 /* What probes did since the last time. @param probes how many there are. Waits for nobody. */
@@ -480,34 +484,37 @@ FB_EXPORT fb_status fb_server_ask(fb_server* server, size_t* probes);
 /* FB_NOTHING: there are no more. Likewise. */
 FB_EXPORT fb_status fb_server_probe(fb_server* server, size_t index, fb_probe* probe);
 
-/* How a probe pushed a place that was reported: the mean over its interval. */
+/* What a probe gave a place that was reported, since it was asked for before. A step of h seconds applies impulse_Ns / h,
+ * however long that is ago. Both what the newest report told of and what the one before did may be there. */
 typedef struct fb_push {
   size_t size;
   uint32_t body; /* as it was reported */
   uint32_t reserved;
   double place_m[3]; /* likewise */
-  double force_N[3];
+  double impulse_Ns[3];
 } fb_push;
 
 /* @param probe its index @param index below fb_probe.push_count. FB_NOTHING: there are no more. Likewise. */
 FB_EXPORT fb_status fb_server_push(fb_server* server, size_t probe, size_t index, fb_push* push);
 
-/* A place that a probe touches or may soon meet, at the end of the step that began when it was asked for. Pushed by f, it
- * goes on by  z'' = W (f + others - k z - c z' + dry friction)  from where it is. */
+/* A place that a probe touches, or may before the next report, after the step. Pushed by f it goes on, by z from there:
+ *
+ *     z'' = W (f + others - k z - c z' + dry friction)
+ */
 typedef struct fb_touch {
   size_t size;
   uint32_t body; /* as the simulator calls it */
   uint32_t reserved;
-  double place_m[3];  /* of the surface, nearest to the probe's centre */
-  double normal[3];   /* unit, out of the surface */
-  double velocity_m_per_s[3];
-  double mobility_per_kg[9]; /* W, symmetric, row by row: J M^-1 J' there; zero: it stands */
-  double others_N[3];        /* on it there, of all but the probe: gravity, its own springs */
-  double spring_N_per_m;     /* k, */
-  double damper_N_s_per_m;   /* c, and */
-  double dry_friction_N;     /* of what it slides on */
-  double friction;           /* of the probe along the surface */
-  double radius_m;           /* the surface goes on so far; 0: for ever */
+  double place_m[3];         /* of the surface, nearest to the probe's centre; within 100 m */
+  double normal[3];          /* unit, out of the surface */
+  double velocity_m_per_s[3];  /* of the surface there; up to 100 m/s */
+  double mobility_per_kg[9];   /* W, symmetric, row by row: J M^-1 J' there; up to 1e4; zero: it stands */
+  double others_N[3];          /* on it there now, of all but the probe and c: gravity, its own springs; up to 1e5 N */
+  double spring_N_per_m;       /* k, 0 to 1e6, */
+  double damper_N_s_per_m;     /* c, 0 to 1e5, and */
+  double dry_friction_N;       /* of what it slides on */
+  double friction;             /* of the probe along the surface, 0 to 10 */
+  double radius_m;             /* the surface goes on so far along its plane from place_m; 0: for ever */
 } fb_touch;
 
 /* @param touches may be null if `count` is 0: it meets nothing

@@ -137,7 +137,7 @@ static partial class Checks {
         client.Start();
         Until(client, state => {
           foreach (Probe probe in floor.Ask()) {
-            foreach (Push push in probe.Pushes) pushed_N = push.Body == 7 ? push.Force_N[2] : 0;
+            foreach (Push push in probe.Pushes) pushed_N = push.Body == 7 ? push.Impulse_Ns[2] / probe.Interval_s : 0;
             Expect(floor.Report(probe.Client, new Touch { Body = 7, Place_m = new double[3],
                                                           Normal = new double[] { 0, 0, 1 } }), "a report");
           }

@@ -74,14 +74,14 @@ TEST(LibrarySimulator, IsFeltBetweenItsStepsAndIsToldHowItWasPushed) {
   const Owned<fb_server> server = started();
   const Owned<fb_client> client = held_below(state_of(server).address);
   fb_probe probe;
-  double pushed_N = 0;
+  double pushed_N = 0;  // in the mean
   std::uint32_t body = 0;
   const auto pushes_the_floor = [&] {
     if (ask(server, probe) == 0) return false;
     pushed_N = 0;
     fb_push push = FB_INIT(fb_push);
     for (std::size_t i = 0; fb_server_push(server.get(), 0, i, &push) == FB_OK; ++i) {
-      pushed_N += push.force_N[2];
+      pushed_N += push.impulse_Ns[2] / probe.interval_s;
       body = push.body;
     }
     fb_touch touch = floor_below();
@@ -137,7 +137,7 @@ TEST(LibrarySimulator, RefusesAndCountsReportsThatCannotBe) {
   refused(1, &touch, 1, FB_INVALID, "touches[0].normal must be of length 1");
   touch = floor_below();
   touch.place_m[1] = test::kNaN;
-  refused(1, &touch, 1, FB_INVALID, "touches[0].place_m must be");
+  refused(1, &touch, 1, FB_INVALID, "touches[0].place_m must be finite");
   touch = floor_below();
   touch.mobility_per_kg[0] = -1;
   refused(1, &touch, 1, FB_INVALID, "touches[0].mobility_per_kg must be symmetric");
@@ -175,13 +175,13 @@ TEST(LibrarySimulator, IsRefusedInOneLineWhatItCannotBe) {
   };
   fb_simulator simulator = FB_INIT(fb_simulator);
   simulator.probe_mass_kg = -1;
-  refused(simulator, "mass_kg must be 0.001 to 100 kg");
+  refused(simulator, "probe_mass_kg must be 0.001 to 100 kg");
   simulator = FB_INIT(fb_simulator);
   simulator.probe_radius_m = test::kNaN;
-  refused(simulator, "radius_m must be 0 to 1 m");
+  refused(simulator, "probe_radius_m must be 0 to 1 m");
   simulator = FB_INIT(fb_simulator);
   simulator.probe_stiffness_N_per_m = 1e6;
-  refused(simulator, "stiffness_N_per_m must be above 0, up to 1e5 N/m");
+  refused(simulator, "probe_stiffness_N_per_m must be above 0, up to 1e5 N/m");
   simulator = FB_INIT(fb_simulator);
   simulator.name = "";
   refused(simulator, "fb_simulator.name must be a name");

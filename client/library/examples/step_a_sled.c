@@ -1,7 +1,8 @@
 /* A simulator that steps 60 times a second: a box of 0.6 kg on a table, which is pushed along -z by its face.
  *
  *     cc -std=c99 step_a_sled.c $(pkg-config --cflags --libs forcebound) -lm -o step_a_sled && ./step_a_sled
- *     forcebound-client --server 127.0.0.1:47800 --device falcon --operator stroke */
+ *     forcebound-client --server 127.0.0.1:47800 --device firm-3dof \
+ *         --operator press:axis=2,from_m=0.01,to_m=-0.02 */
 #define _POSIX_C_SOURCE 200112L
 #include <forcebound.h>
 
@@ -56,13 +57,13 @@ int main(int count, char** arguments) {
   fflush(stdout);
   for (long steps = 0; steps * STEP_S < duration_s; ++steps) {
     size_t probes = 0;
-    double pushed_N = 0;
+    double pushed_Ns = 0;
     fb_probe probe = FB_INIT(fb_probe);
     fb_push push = FB_INIT(fb_push);
     fb_server_ask(server, &probes);
     for (size_t k = 0; k < probes; ++k)
-      for (size_t i = 0; fb_server_push(server, k, i, &push) == FB_OK; ++i) pushed_N += push.force_N[2];
-    step(&sled, pushed_N);
+      for (size_t i = 0; fb_server_push(server, k, i, &push) == FB_OK; ++i) pushed_Ns += push.impulse_Ns[2];
+    step(&sled, pushed_Ns / STEP_S);
     for (size_t k = 0; fb_server_probe(server, k, &probe) == FB_OK; ++k) {
       const fb_touch touch = touch_of(&sled, &probe);
       if (fb_server_report(server, probe.client, &touch, 1) == FB_INVALID) fprintf(stderr, "%s\n", fb_last_error());

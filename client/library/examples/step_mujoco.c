@@ -3,7 +3,7 @@
  *
  *     cc -std=c99 step_mujoco.c $(pkg-config --cflags --libs forcebound) -lmujoco -lm -o step_mujoco
  *     ./step_mujoco model.xml 60
- *     forcebound-client --server 127.0.0.1:47800 --device falcon --operator stroke */
+ *     forcebound-client --server 127.0.0.1:47800 --device firm-3dof */
 #define _POSIX_C_SOURCE 200809L
 #include <forcebound.h>
 #include <mujoco/mujoco.h>
@@ -116,13 +116,16 @@ static size_t touches_of(const mjModel* model, mjData* data, int ball, fb_touch 
   return count;
 }
 
-static void push(const mjModel* model, mjData* data, fb_server* server, size_t probes) {
+static void push(const mjModel* model, mjData* data, fb_server* server, size_t probes, double step_s) {
   const mjtNum no_torque[3] = {0, 0, 0};
+  mjtNum force_N[3];
   mju_zero(data->qfrc_applied, model->nv);
   for (size_t k = 0; k < probes; ++k) {
     fb_push push = FB_INIT(fb_push);
-    for (size_t i = 0; fb_server_push(server, k, i, &push) == FB_OK; ++i)
-      mj_applyFT(model, data, push.force_N, no_torque, push.place_m, (int)push.body, data->qfrc_applied);
+    for (size_t i = 0; fb_server_push(server, k, i, &push) == FB_OK; ++i) {
+      mju_scl3(force_N, push.impulse_Ns, 1 / step_s);
+      mj_applyFT(model, data, force_N, no_torque, push.place_m, (int)push.body, data->qfrc_applied);
+    }
   }
 }
 
@@ -136,8 +139,9 @@ static void step(const mjModel* model, mjData* data, fb_server* server, double t
     fb_server_probe(server, k, &probe);
     mju_copy3(data->mocap_pos + 3 * model->body_mocapid[body_of_probe(model, (int)k)], probe.place_m);
   }
+  const double step_s = time_s - data->time;
   while (data->time < time_s) {
-    push(model, data, server, probes);
+    push(model, data, server, probes, step_s);
     mj_step(model, data);
   }
   mju_zero(data->qfrc_applied, model->nv);

@@ -105,7 +105,7 @@ fb_status fb_server_push(fb_server* server, size_t probe, size_t index, fb_push*
   fb_push told{};
   told.body = from.body;
   library::set(told.place_m, from.place_m);
-  library::set(told.force_N, from.force_N);
+  library::set(told.impulse_Ns, from.impulse_Ns);
   return library::give(kFunction, "fb_push", told, push, sizeof(fb_push));
 }
 

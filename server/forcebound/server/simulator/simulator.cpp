@@ -17,9 +17,8 @@ void Simulator::add_pushes(const Seat& seat, const Sample& before, Probe& probe)
     for (std::size_t i = 0; i < report.count; ++i) {
       const Point given_Ns = same == before.pushed.end() ? Point(Point::Zero()) : same->impulse_Ns.at(i);
       const Touch& touch = report.touches.at(i);
-      probe.pushes.at(probe.push_count++) = {.body = touch.body,
-                                             .place_m = touch.place_m,
-                                             .force_N = (pushed.impulse_Ns.at(i) - given_Ns) / probe.interval_s};
+      probe.pushes.at(probe.push_count++) = {
+          .body = touch.body, .place_m = touch.place_m, .impulse_Ns = pushed.impulse_Ns.at(i) - given_Ns};
     }
   }
 }
@@ -40,7 +39,7 @@ std::size_t Simulator::probes(std::span<Probe> to) noexcept {
              .velocity_m_per_s = now.velocity_m_per_s,
              .device_m = now.device_m,
              .buttons = now.buttons};
-    if (probe.interval_s > 0) add_pushes(*seat, before, probe);
+    if (same) add_pushes(*seat, before, probe);
   }
   return count;
 }

@@ -27,11 +27,11 @@ using time::Nanoseconds;
 /// One thread calls `probes` and `report`, another the rest. Neither waits for the other.
 class Simulator {
  public:
-  /// A force on what a report told of: the mean over the interval.
+  /// What a report told of was given this, as the hand was asked to feel it, since the probe was asked for before.
   struct Push {
     std::uint32_t body = 0;
-    Point place_m = Point::Zero();
-    Point force_N = Point::Zero();
+    Point place_m = Point::Zero();  ///< as it was reported
+    Point impulse_Ns = Point::Zero();
   };
 
   struct Probe {
@@ -41,7 +41,7 @@ class Simulator {
     Point velocity_m_per_s = Point::Zero();
     Point device_m = Point::Zero();
     std::uint32_t buttons = 0;
-    std::array<Push, 2 * kTouchesMost> pushes{};
+    std::array<Push, 2 * kTouchesMost> pushes{};  ///< under the newest report, and under the one before
     std::size_t push_count = 0;
   };
 

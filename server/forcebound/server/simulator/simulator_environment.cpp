@@ -64,7 +64,7 @@ class ProbeState {
     const auto before = mass_.state().met;
     mass_.advance(device_, elapsed_s, now);
     for (std::size_t i = 0; i < kTouchesMost; ++i)
-      pushed_.front().impulse_Ns.at(i) += mass_.state().met.at(i).received_Ns - before.at(i).received_Ns;
+      pushed_.front().impulse_Ns.at(i) += share_ * (mass_.state().met.at(i).received_Ns - before.at(i).received_Ns);
     const Simulator::Report* const report = simulator_->newest(seat_);
     if (report != nullptr && report->client == client_) take_over(*report, now);
     const double in_time = std::clamp((kDrop_s - silent_s_) / (kDrop_s - kHold_s), 0.0, 1.0);

@@ -23,12 +23,8 @@ constexpr double kStiffness_N_per_m_most = 1e6;
 constexpr double kDamper_N_s_per_m_most = 1e5;
 constexpr double kForce_N_most = 1e5;
 
-[[noreturn]] void refuse(const std::string& field, const std::string& accepted) {
-  throw std::invalid_argument(field + " must be " + accepted);
-}
-
 void expect(bool fits, const std::string& field, const std::string& accepted) {
-  if (!fits) refuse(field, accepted);
+  if (!fits) throw std::invalid_argument(field + " must be " + accepted);
 }
 
 bool is_between(double value, double most) noexcept { return value >= 0 && value <= most; }
@@ -44,12 +40,12 @@ bool is_mobility(const Eigen::Matrix3d& matrix) {
 }
 
 void expect_sound(const Touch& touch, const std::string& name) {
-  expect(is_within(touch.place_m, kFar_m), name + "place_m", "within 100 m of the origin");
+  expect(is_within(touch.place_m, kFar_m), name + "place_m", "finite, within 100 m of the origin");
   expect(touch.normal.allFinite() && std::abs(touch.normal.norm() - 1) <= kUnit, name + "normal", "of length 1");
-  expect(is_within(touch.velocity_m_per_s, kFar_m), name + "velocity_m_per_s", "within 100 m/s");
+  expect(is_within(touch.velocity_m_per_s, kFar_m), name + "velocity_m_per_s", "finite, within 100 m/s");
   expect(is_mobility(touch.mobility_per_kg), name + "mobility_per_kg",
-         "symmetric, without an eigenvalue below zero, and at most 1e4 1/kg");
-  expect(is_within(touch.others_N, kForce_N_most), name + "others_N", "within 1e5 N");
+         "symmetric, without an eigenvalue below zero, at most 1e4 1/kg");
+  expect(is_within(touch.others_N, kForce_N_most), name + "others_N", "finite, within 1e5 N");
   expect(is_between(touch.spring_N_per_m, kStiffness_N_per_m_most), name + "spring_N_per_m", "0 to 1e6 N/m");
   expect(is_between(touch.damper_N_s_per_m, kDamper_N_s_per_m_most), name + "damper_N_s_per_m", "0 to 1e5 N s/m");
   expect(is_between(touch.dry_friction_N, kForce_N_most), name + "dry_friction_N", "0 to 1e5 N");
@@ -99,10 +95,11 @@ void expect_sound(std::span<const Touch> touches) {
 }
 
 void expect_sound(const ProbeFacts& probe) {
-  expect(is_between(probe.radius_m, 1), "radius_m", "0 to 1 m");
-  expect(probe.mass_kg >= 1e-3 && probe.mass_kg <= 100, "mass_kg", "0.001 to 100 kg");
-  expect(probe.stiffness_N_per_m > 0 && probe.stiffness_N_per_m <= 1e5, "stiffness_N_per_m", "above 0, up to 1e5 N/m");
-  expect(is_between(probe.damping_N_s_per_m, 1e4), "damping_N_s_per_m", "0 to 1e4 N s/m");
+  expect(is_between(probe.radius_m, 1), "probe_radius_m", "0 to 1 m");
+  expect(probe.mass_kg >= 1e-3 && probe.mass_kg <= 100, "probe_mass_kg", "0.001 to 100 kg");
+  expect(probe.stiffness_N_per_m > 0 && probe.stiffness_N_per_m <= 1e5, "probe_stiffness_N_per_m",
+         "above 0, up to 1e5 N/m");
+  expect(is_between(probe.damping_N_s_per_m, 1e4), "probe_damping_N_s_per_m", "0 to 1e4 N s/m");
 }
 
 }  // namespace forcebound::server

@@ -63,10 +63,11 @@ Impulses impulses(int ticks_of_step) {
   for (int tick = 0; tick < 3000; ++tick) {
     Simulator::Probe asked;
     if (tick % ticks_of_step == 0 && simulator->probes({&asked, 1}) == 1) {
-      double pushed_N = 0;
-      for (const auto& push : std::span(asked.pushes).first(asked.push_count)) pushed_N += push.force_N.z();
-      sled.step(asked.interval_s, pushed_N);
-      all.given_Ns -= pushed_N * asked.interval_s;
+      double pushed_Ns = 0;
+      for (const auto& push : std::span(asked.pushes).first(asked.push_count)) pushed_Ns += push.impulse_Ns.z();
+      const double step_s = ticks_of_step * kTick_s;
+      sled.step(step_s, pushed_Ns / step_s);
+      all.given_Ns -= pushed_Ns;
       EXPECT_TRUE(simulator->report(asked.client, std::array{sled.touch(asked.place_m)}));
     }
     z_m -= 0.03 * kTick_s;
@@ -135,6 +136,25 @@ TEST(ASimulator, FadesInSilenceAndComesBackWithoutAStep) {
   EXPECT_EQ(z_N, 0);
   EXPECT_LT(run(500, true), 0.3);
   EXPECT_NEAR(z_N, 2, 0.05);
+}
+
+/// A hand that feels nothing gives nothing.
+TEST(ASimulator, IsNotPushedByAHandForWhichItsForceHasFaded) {
+  const auto simulator = std::make_shared<Simulator>(ProbeFacts{}, 1);
+  MovedProbe probe(kind_of(simulator));
+  Simulator::Probe asked;
+  for (int tick = 0; tick < 500; ++tick) {
+    (void)probe.to(-0.001);
+    if (tick % 17 != 0 || simulator->probes({&asked, 1}) == 0) continue;
+    (void)simulator->report(asked.client, std::array{floor_at(0)});
+  }
+  ASSERT_GT(asked.push_count, 0U);
+  EXPECT_LT(asked.pushes[0].impulse_Ns.z(), -0.02);
+  for (int tick = 0; tick < 1200; ++tick) (void)probe.to(-0.001);
+  ASSERT_EQ(simulator->probes({&asked, 1}), 1U);
+  for (int tick = 0; tick < 100; ++tick) (void)probe.to(-0.001);
+  ASSERT_EQ(simulator->probes({&asked, 1}), 1U);
+  for (const auto& push : std::span(asked.pushes).first(asked.push_count)) EXPECT_TRUE(push.impulse_Ns.isZero(0));
 }
 
 TEST(ASimulator, DoesNotAllocateWhileProbesMove) {

@@ -121,9 +121,10 @@ class SteppedBeside final : public Environment {
   void step() {
     if (asked_.client != 0) (void)simulator_->report(asked_.client, std::array{world_->touch(asked_.place_m)});
     if (simulator_->probes({&asked_, 1}) == 0) return;
-    double pushed_N = 0;
-    for (const Simulator::Push& push : std::span(asked_.pushes).first(asked_.push_count)) pushed_N += push.force_N.z();
-    world_->step(step_s_, pushed_N);
+    double pushed_Ns = 0;
+    for (const Simulator::Push& push : std::span(asked_.pushes).first(asked_.push_count))
+      pushed_Ns += push.impulse_Ns.z();
+    world_->step(step_s_, pushed_Ns / step_s_);
   }
 
   std::unique_ptr<Environment> felt_;
