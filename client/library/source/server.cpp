@@ -89,6 +89,25 @@ fb_status create(const fb_server_settings& given, server::ServerOptions options,
   return FB_OK;
 }
 
+/// Of what a program gave, by `serve`, which may change the options.
+/// @param what the struct's name @param least bytes of it that must be there
+template <class Struct, class Serve>
+fb_status create(const char* function, const fb_server_settings* settings, const char* what, const Struct* served,
+                 std::size_t least, fb_server** server, const Serve& serve) {
+  if (server == nullptr) return refused(function, "server is null");
+  const fb_server_settings standard = FB_INIT(fb_server_settings);
+  const Given<fb_server_settings> given(function, "fb_server_settings", settings == nullptr ? &standard : settings,
+                                        sizeof(std::size_t));
+  if (given.status() != FB_OK) return given.status();
+  const Given<Struct> felt(function, what, served, least);
+  if (felt.status() != FB_OK) return felt.status();
+  return guarded(function, [&] {
+    server::ServerOptions options = options_of(*given);
+    Served made = serve(*felt, options);
+    return create(*given, options, std::move(made), server);
+  });
+}
+
 void run(fb_server& server, const std::stop_token& wanted) {
   server.runs_on = std::this_thread::get_id();
   std::string failure = failure_of([&] {
@@ -183,34 +202,18 @@ fb_server::fb_server(net::UdpLink link, const server::ServerOptions& options, li
       server(std::move(link), options, library_of(served.kind), nullptr, std::move(keys)) {}
 
 fb_status fb_server_create(const fb_server_settings* settings, const fb_environment* environment, fb_server** server) {
-  constexpr const char* kFunction = "fb_server_create";
-  if (server == nullptr) return library::refused(kFunction, "server is null");
-  const fb_server_settings standard = FB_INIT(fb_server_settings);
-  const library::Given<fb_server_settings> given(kFunction, "fb_server_settings",
-                                                 settings == nullptr ? &standard : settings, sizeof(std::size_t));
-  if (given.status() != FB_OK) return given.status();
-  const library::Given<fb_environment> felt(kFunction, "fb_environment", environment, library::kEnvironmentLeast);
-  if (felt.status() != FB_OK) return felt.status();
-  return library::guarded(kFunction, [&] {
-    return library::create(*given, library::options_of(*given), library::served_by(*felt), server);
-  });
+  return library::create(
+      "fb_server_create", settings, "fb_environment", environment, library::kEnvironmentLeast, server,
+      [](const fb_environment& given, const server::ServerOptions& /*options*/) { return library::served_by(given); });
 }
 
 fb_status fb_server_of_simulator(const fb_server_settings* settings, const fb_simulator* simulator,
                                  fb_server** server) {
-  constexpr const char* kFunction = "fb_server_of_simulator";
-  if (server == nullptr) return library::refused(kFunction, "server is null");
-  const fb_server_settings standard = FB_INIT(fb_server_settings);
-  const library::Given<fb_server_settings> given(kFunction, "fb_server_settings",
-                                                 settings == nullptr ? &standard : settings, sizeof(std::size_t));
-  if (given.status() != FB_OK) return given.status();
-  const library::Given<fb_simulator> felt(kFunction, "fb_simulator", simulator, sizeof(std::size_t));
-  if (felt.status() != FB_OK) return felt.status();
-  return library::guarded(kFunction, [&] {
-    server::ServerOptions options = library::options_of(*given);
-    options.sessions_max = std::min(options.sessions_max, library::kProbesMost);
-    return library::create(*given, options, library::served_by(*felt, options.sessions_max), server);
-  });
+  return library::create("fb_server_of_simulator", settings, "fb_simulator", simulator, sizeof(std::size_t), server,
+                         [](const fb_simulator& given, server::ServerOptions& options) {
+                           options.sessions_max = std::min(options.sessions_max, library::kProbesMost);
+                           return library::served_by(given, options.sessions_max);
+                         });
 }
 
 fb_status fb_server_start(fb_server* server) {

@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "forcebound/scene/scene_state.hpp"
 #include "forcebound/server/environment/explain.hpp"
 #include "forcebound/server/environment/suggested_hand.hpp"
+#include "forcebound/server/offer/scene_answers.hpp"
 #include "forcebound/view/shown_scene.hpp"
 
 namespace forcebound::server {
@@ -36,38 +36,18 @@ view::Description describe(const scene::SceneState& state, view::Which which) {
   return view::describe(std::move(shown), models);
 }
 
-class SceneEnvironment final : public Environment {
+class SceneEnvironment final : public SceneAnswers {
  public:
   SceneEnvironment(scene::SceneState state, std::shared_ptr<Appearance> appearance)
-      : state_(std::move(state)), appearance_(std::move(appearance)) {}
+      : SceneAnswers(std::move(state)), appearance_(std::move(appearance)) {}
 
   std::shared_ptr<const view::Description> appearance(view::Which which) override {
     auto& made = which == view::Which::all ? appearance_->all : appearance_->not_handed_over;
-    if (!made) made = std::make_shared<const view::Description>(describe(state_, which));
+    if (!made) made = std::make_shared<const view::Description>(describe(state(), which));
     return made;
   }
 
-  std::size_t sample(std::size_t group, std::size_t first, std::span<float> to) const noexcept override {
-    return state_.sample(group, first, to);
-  }
-
-  Answer respond(const Motion& motion) noexcept override {
-    return state_.answer(motion.position, motion.device_time, motion.server_time, motion.wants_model, motion.handle);
-  }
-
-  std::span<const std::string* const> quarantined() const noexcept override { return state_.quarantined(); }
-
-  EnvironmentFaults faults() const noexcept override {
-    const scene::SceneFaults& faults = state_.faults();
-    return {.old_normals = faults.old_normals,
-            .quarantined = faults.quarantined,
-            .contacts_left_out = faults.dynamic_models.contacts_left_out,
-            .not_converged = faults.dynamic_models.not_converged,
-            .slipped_s = faults.dynamic_models.slipped_s};
-  }
-
  private:
-  scene::SceneState state_;
   std::shared_ptr<Appearance> appearance_;
 };
 

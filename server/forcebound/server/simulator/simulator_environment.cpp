@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "forcebound/local_model/dragged_mass.hpp"
-#include "forcebound/scene/scene_state.hpp"
+#include "forcebound/server/offer/scene_answers.hpp"
 
 namespace forcebound::server {
 namespace {
@@ -73,7 +73,7 @@ class ProbeState {
   }
 
   [[nodiscard]] scene::ModelTouch touch() const noexcept {
-    scene::ModelTouch touch{.force_N = share_ * mass_.force_N(device_) + fading_N_};
+    scene::ModelTouch touch{.force_N = felt_N()};
     const MassState& state = mass_.state();
     for (std::uint32_t i = 0; i < model_.contact_count; ++i) {
       const MassState::Met& met = state.met.at(i);
@@ -110,9 +110,11 @@ class ProbeState {
     return true;
   }
 
-  [[nodiscard]] bool sound() const noexcept { return touch().force_N.allFinite(); }
+  [[nodiscard]] bool sound() const noexcept { return felt_N().allFinite(); }
 
  private:
+  [[nodiscard]] Point felt_N() const noexcept { return share_ * mass_.force_N(device_) + fading_N_; }
+
   /// One that is too old to go on from is as none.
   void take_over(const Simulator::Report& report, Nanoseconds now) noexcept {
     const double age_s = time::to_seconds(now - report.moment);
@@ -220,21 +222,6 @@ std::shared_ptr<const scene::Scene> scene_of(const SimulatorOffer& offer, const 
                                               std::move(parts));
 }
 
-class SimulatorEnvironment final : public Environment {
- public:
-  explicit SimulatorEnvironment(scene::SceneState state) : state_(std::move(state)) {}
-
-  Answer respond(const Motion& motion) noexcept override {
-    return state_.answer(motion.position, motion.device_time, motion.server_time, motion.wants_model, motion.handle);
-  }
-  [[nodiscard]] std::span<const std::string* const> quarantined() const noexcept override {
-    return state_.quarantined();
-  }
-
- private:
-  scene::SceneState state_;
-};
-
 }  // namespace
 
 EnvironmentKind simulator_environment(const SimulatorOffer& offer, const std::shared_ptr<Simulator>& simulator) {
@@ -245,7 +232,7 @@ EnvironmentKind simulator_environment(const SimulatorOffer& offer, const std::sh
           .degrees_of_freedom = {3, 6},
           .sessions_max = simulator->seats(),
           .make = [offer, scene, models](const ClientFacts& client) {
-            return MadeEnvironment{.environment = std::make_unique<SimulatorEnvironment>(
+            return MadeEnvironment{.environment = std::make_unique<SceneAnswers>(
                                        scene::SceneState(scene, client.degrees_of_freedom, *models)),
                                    .simulated = offer.simulated,
                                    .least_rendering = scene->least_rendering()};

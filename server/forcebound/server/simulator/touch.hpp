@@ -32,7 +32,7 @@ struct Touch {
   Point normal = Point::UnitX();                              ///< unit, out of the surface
   Point velocity_m_per_s = Point::Zero();                     ///< of the surface there
   Eigen::Matrix3d mobility_per_kg = Eigen::Matrix3d::Zero();  ///< W; zero: it stands
-  Point others_N = Point::Zero();                             ///< f_o: of all but the probe, as if at that place
+  Point others_N = Point::Zero();                             ///< f_o: of all but the probe and c, at that place
   double spring_N_per_m = 0;                                  ///< k
   double damper_N_s_per_m = 0;                                ///< c
   double dry_friction_N = 0;                                  ///< F

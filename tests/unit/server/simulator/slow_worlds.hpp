@@ -102,18 +102,36 @@ class SlowColumn final : public SlowWorld {
   Nodes speed_m_per_s_ = Nodes::Zero();
 };
 
+/// The steps of a simulator, in the time of the motions that come.
+class Beats {
+ public:
+  explicit Beats(double step_s) : step_s_(step_s) {}
+
+  [[nodiscard]] double step_s() const { return step_s_; }
+
+  template <class Step>
+  void until(Nanoseconds now, const Step& step) {
+    if (!begun_) next_ = now;
+    begun_ = true;
+    for (; now >= next_; next_ += time::from_seconds(step_s_)) step();
+  }
+
+ private:
+  double step_s_;
+  bool begun_ = false;
+  Nanoseconds next_{0};
+};
+
 /// Steps a world in the time of the motions that come, each step's report being there when the next step begins: as of
 /// a simulator that is busy all the time.
 class SteppedBeside final : public Environment {
  public:
   SteppedBeside(std::unique_ptr<Environment> felt, std::shared_ptr<Simulator> simulator,
                 std::shared_ptr<SlowWorld> world, double step_s)
-      : felt_(std::move(felt)), simulator_(std::move(simulator)), world_(std::move(world)), step_s_(step_s) {}
+      : felt_(std::move(felt)), simulator_(std::move(simulator)), world_(std::move(world)), beats_(step_s) {}
 
   Answer respond(const Motion& motion) noexcept override {
-    if (!begun_) next_ = motion.server_time;
-    begun_ = true;
-    for (; motion.server_time >= next_; next_ += time::from_seconds(step_s_)) step();
+    beats_.until(motion.server_time, [&] { step(); });
     return felt_->respond(motion);
   }
 
@@ -124,41 +142,35 @@ class SteppedBeside final : public Environment {
     double pushed_Ns = 0;
     for (const Simulator::Push& push : std::span(asked_.pushes).first(asked_.push_count))
       pushed_Ns += push.impulse_Ns.z();
-    world_->step(step_s_, pushed_Ns / step_s_);
+    world_->step(beats_.step_s(), pushed_Ns / beats_.step_s());
   }
 
   std::unique_ptr<Environment> felt_;
   std::shared_ptr<Simulator> simulator_;
   std::shared_ptr<SlowWorld> world_;
-  double step_s_;
+  Beats beats_;
   Simulator::Probe asked_{};
-  bool begun_ = false;
-  Nanoseconds next_{0};
 };
 
 /// What people do without: a spring to the surface, whose force is worked out at each step and held until the next.
 class HeldBeside final : public Environment {
  public:
-  HeldBeside(std::shared_ptr<SlowWorld> world, double step_s) : world_(std::move(world)), step_s_(step_s) {}
+  HeldBeside(std::shared_ptr<SlowWorld> world, double step_s) : world_(std::move(world)), beats_(step_s) {}
 
   Answer respond(const Motion& motion) noexcept override {
-    if (!begun_) next_ = motion.server_time;
-    begun_ = true;
-    for (; motion.server_time >= next_; next_ += time::from_seconds(step_s_)) {
+    beats_.until(motion.server_time, [&] {
       const Touch touch = world_->touch(motion.position);
       const double depth_m = touch.place_m.z() - motion.position.z();
       pushed_N_ = std::max(0.0, ProbeFacts{}.stiffness_N_per_m * depth_m);
-      world_->step(step_s_, -pushed_N_);
-    }
+      world_->step(beats_.step_s(), -pushed_N_);
+    });
     return {.force = Point(0, 0, pushed_N_)};
   }
 
  private:
   std::shared_ptr<SlowWorld> world_;
-  double step_s_;
+  Beats beats_;
   double pushed_N_ = 0;
-  bool begun_ = false;
-  Nanoseconds next_{0};
 };
 
 }  // namespace forcebound::server
