@@ -34,7 +34,9 @@
 extern "C" {
 #endif
 
-#if defined(__GNUC__)
+#if defined(_WIN32) && defined(forcebound_c_EXPORTS)
+#define FB_EXPORT __declspec(dllexport)
+#elif defined(__GNUC__) && !defined(_WIN32)
 #define FB_EXPORT __attribute__((visibility("default")))
 #else
 #define FB_EXPORT

@@ -5,6 +5,9 @@
 #
 # A changed file is embedded again by the next build.
 function(forcebound_embed_texts target header function)
+  if(FORCEBOUND_ONLY AND NOT TARGET ${target})
+    return()
+  endif()
   file(GLOB files CONFIGURE_DEPENDS ${ARGN})
   set(entries "")
   foreach(file IN LISTS files)

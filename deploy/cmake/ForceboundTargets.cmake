@@ -26,6 +26,9 @@ endfunction()
 # command lines, serves pages and writes reports, never for what runs in a tick or answers a motion.
 function(forcebound_compile_quickly)
   foreach(target IN LISTS ARGN)
+    if(FORCEBOUND_ONLY AND NOT TARGET ${target})
+      continue()
+    endif()
     target_compile_options(${target} PRIVATE $<$<CONFIG:Release,RelWithDebInfo>:-O1>)
   endforeach()
 endfunction()
@@ -81,6 +84,18 @@ function(forcebound_by option)
   set_source_files_properties(${unused} PROPERTIES HEADER_FILE_ONLY ON)
 endfunction()
 
+# forcebound_for_system(LIST): of a list of sources, those of the system that is built for. What is in a folder `windows`
+# is for Windows alone, and takes the place there of the source of the same name beside that folder.
+function(forcebound_for_system list)
+  set(others ${${list}})
+  list(FILTER others INCLUDE REGEX "/windows/[^/]+$")
+  if(WIN32)
+    list(TRANSFORM others REPLACE "/windows/([^/]+)$" "/\\1")
+  endif()
+  list(REMOVE_ITEM ${list} "" ${others})
+  set(${list} ${${list}} PARENT_SCOPE)
+endfunction()
+
 # forcebound_may_include(FOLDER WHAT...): the headers that files below FOLDER may include, beside their own: those of
 # libraries or programs, or those below folders. Folders are as includes name them. A library or program may include what
 # it links; this adds to that, and gives a folder within it a rule of its own. tests/architecture checks all files.
@@ -131,12 +146,13 @@ function(forcebound_library name)
   if(FORCEBOUND_MUJOCO)
     list(APPEND arg_LINK_PRIVATE ${arg_WITH_MUJOCO})
   endif()
-  if(arg_NEEDS AND NOT ${arg_NEEDS})
+  if((arg_NEEDS AND NOT ${arg_NEEDS}) OR (FORCEBOUND_ONLY AND NOT name IN_LIST FORCEBOUND_ONLY))
     set_property(GLOBAL APPEND PROPERTY FORCEBOUND_LEFT_OUT forcebound::${name})
     return()
   endif()
   forcebound_leave_out_libraries(arg_LINK arg_LINK_PRIVATE)
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${root}/${folder}/*.cpp)
+  forcebound_for_system(sources)
   add_library(${target} STATIC ${sources})
   add_library(forcebound::${name} ALIAS ${target})
   forcebound_compile_together(${target})
