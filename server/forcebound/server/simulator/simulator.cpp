@@ -45,7 +45,18 @@ std::size_t Simulator::probes(std::span<Probe> to) noexcept {
 }
 
 bool Simulator::report(std::uint64_t client, std::span<const Touch> touches) {
-  expect_sound(touches);
+  try {
+    expect_sound(touches);
+  } catch (...) {
+    count_refused();
+    throw;
+  }
+  const bool stored = store(client, touches);
+  (stored ? reports_ : reports_refused_).fetch_add(1, std::memory_order_relaxed);
+  return stored;
+}
+
+bool Simulator::store(std::uint64_t client, std::span<const Touch> touches) noexcept {
   const auto found =
       std::ranges::find_if(seats_, [&](const auto& one) { return client != 0 && one->now.client == client; });
   if (found == seats_.end()) return false;
@@ -60,6 +71,12 @@ bool Simulator::report(std::uint64_t client, std::span<const Touch> touches) {
   std::ranges::copy(touches, report.touches.begin());
   seat.reports.store(report);
   return true;
+}
+
+Simulator::Counts Simulator::counts() const noexcept {
+  return {.reports = reports_.load(std::memory_order_relaxed),
+          .reports_refused = reports_refused_.load(std::memory_order_relaxed),
+          .silences = silences_.load(std::memory_order_relaxed)};
 }
 
 }  // namespace forcebound::server

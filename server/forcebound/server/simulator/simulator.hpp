@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -55,6 +56,17 @@ class Simulator {
   /// is no such client, or it was not asked for. @throws std::invalid_argument naming what is wrong in a touch
   [[nodiscard]] bool report(std::uint64_t client, std::span<const Touch> touches);
 
+  /// As one that was refused, before it got here.
+  void count_refused() noexcept { reports_refused_.fetch_add(1, std::memory_order_relaxed); }
+
+  struct Counts {
+    std::uint64_t reports = 0;
+    std::uint64_t reports_refused = 0;
+    std::uint64_t silences = 0;  ///< times that a probe had no report for so long that its force fades
+  };
+  /// Any thread.
+  [[nodiscard]] Counts counts() const noexcept;
+
   // By the thread that moves the probes; noexcept, no allocation.
 
   /// What a probe pushed while a report was what it went by: impulses on its touches.
@@ -89,6 +101,7 @@ class Simulator {
   /// Null: none since it was asked for last. Valid until then.
   [[nodiscard]] const Report* newest(std::size_t seat) noexcept { return seats_[seat]->reports.take(); }
   [[nodiscard]] std::uint64_t another_client() noexcept { return ++clients_; }
+  void count_silence() noexcept { silences_.fetch_add(1, std::memory_order_relaxed); }
 
  private:
   struct Seat {
@@ -101,10 +114,14 @@ class Simulator {
   };
 
   static void add_pushes(const Seat& seat, const Sample& before, Probe& probe) noexcept;
+  bool store(std::uint64_t client, std::span<const Touch> touches) noexcept;
 
   ProbeFacts probe_;
   std::vector<std::unique_ptr<Seat>> seats_;
   std::uint64_t clients_ = 0;
+  std::atomic<std::uint64_t> reports_{0};
+  std::atomic<std::uint64_t> reports_refused_{0};
+  std::atomic<std::uint64_t> silences_{0};
 };
 
 }  // namespace forcebound::server

@@ -58,6 +58,8 @@ class ProbeState {
 
   void advance(double elapsed_s, Nanoseconds now) noexcept {
     if (!placed_) return;
+    // More at once is the client's own pause.
+    const bool falls_silent = silent_s_ <= kHold_s && silent_s_ + elapsed_s > kHold_s && elapsed_s < kHold_s;
     silent_s_ += elapsed_s;
     fading_N_ *= std::exp(-elapsed_s / kFade_s);
     if (fading_N_.cwiseAbs().maxCoeff() < kNothing_N) fading_N_.setZero();
@@ -67,6 +69,7 @@ class ProbeState {
       pushed_.front().impulse_Ns.at(i) += share_ * (mass_.state().met.at(i).received_Ns - before.at(i).received_Ns);
     const Simulator::Report* const report = simulator_->newest(seat_);
     if (report != nullptr && report->client == client_) take_over(*report, now);
+    if (falls_silent && silent_s_ > kHold_s) simulator_->count_silence();
     const double in_time = std::clamp((kDrop_s - silent_s_) / (kDrop_s - kHold_s), 0.0, 1.0);
     share_ = pushed_.front().report == 0 ? 0 : std::min(in_time, share_ + elapsed_s / kReturn_s);
     publish(now);

@@ -27,7 +27,7 @@ class MovedProbe {
     return environment_->respond(
         {.position = position_, .device_time = now_, .server_time = now_, .wants_model = wants_model});
   }
-  Nanoseconds now() const { return now_; }
+  void pause_s(double pause_s) { now_ += time::from_seconds(pause_s); }
 
  private:
   std::unique_ptr<Environment> environment_;
@@ -130,12 +130,26 @@ TEST(ASimulator, FadesInSilenceAndComesBackWithoutAStep) {
   EXPECT_NEAR(z_N, 2, 0.05);
   EXPECT_LT(run(200, false), 0.01);
   EXPECT_NEAR(z_N, 2, 0.05);
+  EXPECT_EQ(simulator->counts().silences, 0U);
   EXPECT_LT(run(425, false), 0.01);
+  EXPECT_EQ(simulator->counts().silences, 1U);
   EXPECT_NEAR(z_N, 1, 0.1);
   EXPECT_LT(run(1000, false), 0.01);
   EXPECT_EQ(z_N, 0);
   EXPECT_LT(run(500, true), 0.3);
   EXPECT_NEAR(z_N, 2, 0.05);
+  (void)run(300, false);
+  EXPECT_EQ(simulator->counts().silences, 2U);
+}
+
+/// That a client sent nothing for a while says nothing of the simulator.
+TEST(ASimulator, IsNotCalledSilentForAClientThatPauses) {
+  const auto simulator = std::make_shared<Simulator>(ProbeFacts{}, 1);
+  MovedProbe probe(kind_of(simulator));
+  (void)probe.to(0);
+  probe.pause_s(0.4);
+  (void)probe.to(0);
+  EXPECT_EQ(simulator->counts().silences, 0U);
 }
 
 /// A hand that feels nothing gives nothing.
@@ -190,6 +204,7 @@ TEST(ASimulator, SeatsAsManyAsItHasRoomFor) {
   ASSERT_EQ(simulator->probes(asked), 1U);
   EXPECT_FALSE(simulator->report(99, {}));
   EXPECT_FALSE(simulator->report(0, {}));
+  EXPECT_EQ(simulator->counts().reports_refused, 2U);
 }
 
 /// Whatever a simulator says that is within its bounds.
