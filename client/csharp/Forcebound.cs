@@ -1062,6 +1062,8 @@ public struct ServerState {
   /// <summary>Of a simulator, accepted.</summary>
   public ulong Reports;
   public ulong ReportsRefused;
+  /// <summary>Times that a probe had no report for 0.25 s.</summary>
+  public ulong Silences;
 }
 
 /// <summary>A simulator that steps on its own thread at its own rate. See fb_simulator.</summary>
@@ -1262,7 +1264,8 @@ public sealed class Server : IDisposable {
       CallbacksLate = native.callbacks_late,
       Busy = native.busy,
       Reports = native.reports,
-      ReportsRefused = native.reports_refused
+      ReportsRefused = native.reports_refused,
+      Silences = native.silences
     };
   }
 
@@ -1565,6 +1568,7 @@ internal static unsafe class Native {
     public double busy;
     public ulong reports;
     public ulong reports_refused;
+    public ulong silences;
   }
 
   [StructLayout(LayoutKind.Sequential)]

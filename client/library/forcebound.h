@@ -550,6 +550,7 @@ typedef struct fb_server_state {
   double busy;                 /* share of its thread's time, of the last second */
   uint64_t reports;            /* of a simulator, accepted */
   uint64_t reports_refused;
+  uint64_t silences;           /* times that a probe had no report for 0.25 s */
 } fb_server_state;
 
 /* Any thread, at any time. */

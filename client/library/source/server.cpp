@@ -1,15 +1,12 @@
 #include "library/source/server.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
-#include <stop_token>
 #include <utility>
 
 #include "forcebound/net/endpoint.hpp"
-#include "forcebound/server/offer/environment_library.hpp"
-#include "forcebound/server/security/key_files.hpp"
 #include "forcebound/server/simulator/simulator_environment.hpp"
 #include "library/source/errors.hpp"
 #include "library/source/structs.hpp"
@@ -74,18 +71,16 @@ Served served_by(const fb_simulator& given, std::size_t clients_most) {
           .simulator = simulator};
 }
 
-fb_status create(const fb_server_settings& given, server::ServerOptions options, Served served, fb_server** server) {
-  options.scene = served.kind.name;
-  const server::KeyFiles files{.key = text_of(given.key),
-                               .clients = text_of(given.clients),
-                               .psk = text_of(given.shared_key),
-                               .insecure = given.insecure != 0};
-  server::expect_bounds(files);
-  const net::Address address = net::resolve(net::parse_endpoint(text_of(given.listen, "127.0.0.1:47800")));
-  server::expect_encryption(files, address);
-  auto keys = server::read_keys(files, {served.kind.name});
+fb_status create(const fb_server_settings& given, const server::ServerOptions& options, Served served,
+                 fb_server** server) {
+  const server::EmbeddedServer::Settings settings{.listen = text_of(given.listen, "127.0.0.1:47800"),
+                                                  .keys = {.key = text_of(given.key),
+                                                           .clients = text_of(given.clients),
+                                                           .psk = text_of(given.shared_key),
+                                                           .insecure = given.insecure != 0},
+                                                  .options = options};
   *server =
-      std::make_unique<fb_server>(server::listen_at(address), options, std::move(served), std::move(keys)).release();
+      new fb_server{.served = served, .server = {settings, served.kind, served.simulated}};  // NOLINT(*-owning-memory)
   return FB_OK;
 }
 
@@ -108,36 +103,26 @@ fb_status create(const char* function, const fb_server_settings* settings, const
   });
 }
 
-void run(fb_server& server, const std::stop_token& wanted) {
-  server.runs_on = std::this_thread::get_id();
-  std::string failure = failure_of([&] {
-    server.server.run(wanted);
-    return std::string();
-  });
-  const std::scoped_lock lock(server.mutex);
-  server.failure = std::move(failure);
-  server.running = false;
-}
-
 fb_status stop(fb_server& server, const char* function) {
-  if (server.runs_on == std::this_thread::get_id()) {
-    return refused(function, "a callback of its own asks: accepted is any other thread", FB_NOT_NOW);
+  using Stopped = server::EmbeddedServer::Stopped;
+  switch (server.server.stop()) {
+    case Stopped::not_by_itself:
+      return refused(function, "a callback of its own asks: accepted is any other thread", FB_NOT_NOW);
+    case Stopped::never_started:
+      return refused(function, "it was not started", FB_NOT_NOW);
+    case Stopped::with_failure:
+      return refused(function, server.server.failure(), FB_FAILED);
+    case Stopped::now:
+      break;
   }
-  const std::scoped_lock ending(server.ending);
-  {
-    const std::scoped_lock lock(server.mutex);
-    if (!server.started) return refused(function, "it was not started", FB_NOT_NOW);
-  }
-  server.thread.request_stop();
-  if (server.thread.joinable()) server.thread.join();
-  const std::scoped_lock lock(server.mutex);
-  return server.failure.empty() ? FB_OK : refused(function, server.failure, FB_FAILED);
+  return FB_OK;
 }
 
-fb_server_state state_of(const fb_server& server, const server::UdpServer::Figures& figures) {
+fb_server_state state_of(const fb_server& server) {
   const net::Address address = server.server.address();
+  const server::UdpServer::Figures figures = server.server.figures();
   fb_server_state state{};
-  state.running = server.running ? 1 : 0;
+  state.running = server.server.is_running() ? 1 : 0;
   state.port = address.port;
   set_text(state.address, net::to_string(address));
   state.clients = figures.sessions;
@@ -150,56 +135,29 @@ fb_server_state state_of(const fb_server& server, const server::UdpServer::Figur
     state.callbacks_late = server.served.callbacks->calls.late();
   }
   state.busy = figures.busy;
-  state.reports = server.reports;
-  state.reports_refused = server.reports_refused;
+  if (server.served.simulator != nullptr) {
+    const server::Simulator::Counts counts = server.served.simulator->counts();
+    state.reports = counts.reports;
+    state.reports_refused = counts.reports_refused;
+    state.silences = counts.silences;
+  }
   return state;
 }
 
 std::string summary_of(const fb_server& server) {
-  const server::UdpServer::Figures figures = server.server.figures();
-  const fb_server_state state = state_of(server, figures);
-  nlohmann::ordered_json counts;
-#define FORCEBOUND_WRITE(subject, name, words) counts[#name] = figures.counters.name;
-  FORCEBOUND_SERVER_COUNTS(FORCEBOUND_WRITE)
-#undef FORCEBOUND_WRITE
-  for (const wire::MalformedRow& row : wire::kMalformed) {
-    counts["malformed_" + std::string(row.word)] = figures.counters.malformed[row.reason];
-  }
-  const nlohmann::ordered_json summary{{"program", "libforcebound " FORCEBOUND_VERSION},
-                                       {"address", state.address},
-                                       {"environment", server.served.kind.name},
-                                       {"simulated", server.served.simulated},
-                                       {"encryption", server.encryption},
-                                       {"clients", state.clients},
-                                       {"callbacks_failed", state.callbacks_failed},
-                                       {"callbacks_late", state.callbacks_late},
-                                       {"busy", state.busy},
-                                       {"reports", state.reports},
-                                       {"reports_refused", state.reports_refused},
-                                       {"counts", counts}};
-  return summary.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  const fb_server_state state = state_of(server);
+  const std::array own{server::EmbeddedServer::OwnCount{"callbacks_failed", state.callbacks_failed},
+                       server::EmbeddedServer::OwnCount{"callbacks_late", state.callbacks_late},
+                       server::EmbeddedServer::OwnCount{"reports", state.reports},
+                       server::EmbeddedServer::OwnCount{"reports_refused", state.reports_refused},
+                       server::EmbeddedServer::OwnCount{"silences", state.silences}};
+  return server.server.summary("libforcebound " FORCEBOUND_VERSION, own);
 }
 
 }  // namespace
 }  // namespace forcebound::library
 
 using namespace forcebound;  // NOLINT(google-build-using-namespace)
-
-namespace {
-
-server::EnvironmentLibrary library_of(const server::EnvironmentKind& kind) {
-  server::EnvironmentLibrary environments;
-  environments.add(kind);
-  return environments;
-}
-
-}  // namespace
-
-fb_server::fb_server(net::UdpLink link, const server::ServerOptions& options, library::Served given,
-                     std::optional<server::ServerKeys> keys)
-    : served(std::move(given)),
-      encryption(server::encryption_name(keys)),
-      server(std::move(link), options, library_of(served.kind), nullptr, std::move(keys)) {}
 
 fb_status fb_server_create(const fb_server_settings* settings, const fb_environment* environment, fb_server** server) {
   return library::create(
@@ -219,13 +177,8 @@ fb_status fb_server_of_simulator(const fb_server_settings* settings, const fb_si
 fb_status fb_server_start(fb_server* server) {
   constexpr const char* kFunction = "fb_server_start";
   if (server == nullptr) return library::refused(kFunction, "server is null");
-  return library::guarded(kFunction, [&]() -> fb_status {
-    const std::scoped_lock lock(server->mutex);
-    if (server->started) return library::refused(kFunction, "a server runs once: make another", FB_NOT_NOW);
-    server->thread = std::jthread([server](const std::stop_token& wanted) { library::run(*server, wanted); });
-    server->started = true;
-    server->running = true;
-    return FB_OK;
+  return library::guarded(kFunction, [&] {
+    return server->server.start() ? FB_OK : library::refused(kFunction, "a server runs once: make another", FB_NOT_NOW);
   });
 }
 
@@ -241,7 +194,7 @@ fb_status fb_server_look(fb_server* server, fb_server_state* state) {
   constexpr const char* kFunction = "fb_server_look";
   if (server == nullptr) return library::refused(kFunction, "server is null");
   return library::guarded(kFunction, [&] {
-    return library::give(kFunction, "fb_server_state", library::state_of(*server, server->server.figures()), state,
+    return library::give(kFunction, "fb_server_state", library::state_of(*server), state,
                          offsetof(fb_server_state, clients));
   });
 }

@@ -53,15 +53,14 @@ fb_status expect_simulator(const char* function, const fb_server* server) noexce
   return refused(function, "the server has callbacks: accepted is one of fb_server_of_simulator");
 }
 
-/// All of them have the size of the first.
-fb_status report(fb_server& server, const char* function, std::uint64_t client, const fb_touch* touches,
-                 std::size_t count) {
+/// What a program met. All of them have the size of the first.
+/// @param met room for as many as there can be
+fb_status read(const char* function, const fb_touch* touches, std::size_t count, server::Touches& met) {
   if (count > 0 && touches == nullptr) return refused(function, "touches is null, and count is not 0");
   if (count > FB_TOUCHES_MAX) {
     return refused(function, "count is " + std::to_string(count) + ", accepted are up to " +
                                  std::to_string(FB_TOUCHES_MAX) + " touches of a probe");
   }
-  server::Touches met{};
   const auto* at = reinterpret_cast<const std::byte*>(touches);  // NOLINT(*-reinterpret-cast)
   for (std::size_t i = 0; i < count; ++i, at += touches->size) {
     const Given<fb_touch> given(function, "fb_touch",
@@ -70,7 +69,18 @@ fb_status report(fb_server& server, const char* function, std::uint64_t client, 
     if (given.status() != FB_OK) return given.status();
     met.at(i) = touch_of(*given);
   }
-  if (server.served.simulator->report(client, std::span(met).first(count))) return FB_OK;
+  return FB_OK;
+}
+
+fb_status report(fb_server& server, const char* function, std::uint64_t client, const fb_touch* touches,
+                 std::size_t count) {
+  server::Simulator& simulator = *server.served.simulator;
+  server::Touches met{};
+  if (const fb_status status = read(function, touches, count, met); status != FB_OK) {
+    simulator.count_refused();
+    return status;
+  }
+  if (simulator.report(client, std::span(met).first(count))) return FB_OK;
   return refused(function,
                  "client " + std::to_string(client) + " is not there: accepted are those that were asked for last",
                  FB_NOT_NOW);
@@ -112,8 +122,5 @@ fb_status fb_server_push(fb_server* server, size_t probe, size_t index, fb_push*
 fb_status fb_server_report(fb_server* server, uint64_t client, const fb_touch* touches, size_t count) {
   constexpr const char* kFunction = "fb_server_report";
   if (const fb_status status = library::expect_simulator(kFunction, server); status != FB_OK) return status;
-  const fb_status status =
-      library::guarded(kFunction, [&] { return library::report(*server, kFunction, client, touches, count); });
-  ++(status == FB_OK ? server->reports : server->reports_refused);
-  return status;
+  return library::guarded(kFunction, [&] { return library::report(*server, kFunction, client, touches, count); });
 }
