@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "forcebound/control/classic_text.hpp"
 #include "forcebound/local_model/no_longer_than.hpp"
 
 namespace forcebound::server {
@@ -23,13 +24,17 @@ constexpr double kStiffness_N_per_m_most = 1e6;
 constexpr double kDamper_N_s_per_m_most = 1e5;
 constexpr double kForce_N_most = 1e5;
 
-void expect(bool fits, const std::string& field, const std::string& accepted) {
-  if (!fits) throw std::invalid_argument(field + " must be " + accepted);
+template <class Value>
+void expect(bool fits, const std::string& field, const std::string& accepted, const Value& got) {
+  if (!fits) throw std::invalid_argument(control::joined(field, " must be ", accepted, ", got ", got));
+}
+
+template <class Numbers>
+auto in_a_line(const Eigen::MatrixBase<Numbers>& numbers) {
+  return numbers.format(Eigen::IOFormat(Eigen::StreamPrecision, Eigen::DontAlignCols, " ", "; "));
 }
 
 bool is_between(double value, double most) noexcept { return value >= 0 && value <= most; }
-
-bool is_within(const Point& vector, double most) noexcept { return vector.allFinite() && vector.norm() <= most; }
 
 bool is_mobility(const Eigen::Matrix3d& matrix) {
   if (!matrix.allFinite() || matrix.cwiseAbs().maxCoeff() > kMobility_per_kg_most) return false;
@@ -40,17 +45,24 @@ bool is_mobility(const Eigen::Matrix3d& matrix) {
 }
 
 void expect_sound(const Touch& touch, const std::string& name) {
-  expect(is_within(touch.place_m, kFar_m), name + "place_m", "finite, within 100 m of the origin");
-  expect(touch.normal.allFinite() && std::abs(touch.normal.norm() - 1) <= kUnit, name + "normal", "of length 1");
-  expect(is_within(touch.velocity_m_per_s, kFar_m), name + "velocity_m_per_s", "finite, within 100 m/s");
+  const auto within = [&](const char* field, const Point& vector, double most, const char* accepted) {
+    expect(vector.allFinite() && vector.norm() <= most, name + field, accepted, in_a_line(vector.transpose()));
+  };
+  const auto between = [&](const char* field, double value, double most, const char* accepted) {
+    expect(is_between(value, most), name + field, accepted, value);
+  };
+  within("place_m", touch.place_m, kFar_m, "finite, within 100 m of the origin");
+  expect(touch.normal.allFinite() && std::abs(touch.normal.norm() - 1) <= kUnit, name + "normal", "of length 1",
+         in_a_line(touch.normal.transpose()));
+  within("velocity_m_per_s", touch.velocity_m_per_s, kFar_m, "finite, within 100 m/s");
   expect(is_mobility(touch.mobility_per_kg), name + "mobility_per_kg",
-         "symmetric, without an eigenvalue below zero, at most 1e4 1/kg");
-  expect(is_within(touch.others_N, kForce_N_most), name + "others_N", "finite, within 1e5 N");
-  expect(is_between(touch.spring_N_per_m, kStiffness_N_per_m_most), name + "spring_N_per_m", "0 to 1e6 N/m");
-  expect(is_between(touch.damper_N_s_per_m, kDamper_N_s_per_m_most), name + "damper_N_s_per_m", "0 to 1e5 N s/m");
-  expect(is_between(touch.dry_friction_N, kForce_N_most), name + "dry_friction_N", "0 to 1e5 N");
-  expect(is_between(touch.friction, 10), name + "friction", "0 to 10");
-  expect(touch.radius_m > 0, name + "radius_m", "above 0 m");
+         "symmetric, without an eigenvalue below zero, at most 1e4 1/kg", in_a_line(touch.mobility_per_kg));
+  within("others_N", touch.others_N, kForce_N_most, "finite, within 1e5 N");
+  between("spring_N_per_m", touch.spring_N_per_m, kStiffness_N_per_m_most, "0 to 1e6 N/m");
+  between("damper_N_s_per_m", touch.damper_N_s_per_m, kDamper_N_s_per_m_most, "0 to 1e5 N s/m");
+  between("dry_friction_N", touch.dry_friction_N, kForce_N_most, "0 to 1e5 N");
+  between("friction", touch.friction, 10, "0 to 10");
+  expect(touch.radius_m > 0, name + "radius_m", "above 0 m", touch.radius_m);
 }
 
 }  // namespace
@@ -90,16 +102,18 @@ local_model::Mass mass_of(const ProbeFacts& probe, const Point& place_m, const P
 }
 
 void expect_sound(std::span<const Touch> touches) {
-  expect(touches.size() <= kTouchesMost, "touches", "at most " + std::to_string(kTouchesMost) + " of a probe");
+  expect(touches.size() <= kTouchesMost, "touches", "at most " + std::to_string(kTouchesMost) + " of a probe",
+         touches.size());
   for (std::size_t i = 0; i < touches.size(); ++i) expect_sound(touches[i], "touches[" + std::to_string(i) + "].");
 }
 
 void expect_sound(const ProbeFacts& probe) {
-  expect(is_between(probe.radius_m, 1), "probe_radius_m", "0 to 1 m");
-  expect(probe.mass_kg >= 1e-3 && probe.mass_kg <= 100, "probe_mass_kg", "0.001 to 100 kg");
+  expect(is_between(probe.radius_m, 1), "probe_radius_m", "0 to 1 m", probe.radius_m);
+  expect(probe.mass_kg >= 1e-3 && probe.mass_kg <= 100, "probe_mass_kg", "0.001 to 100 kg", probe.mass_kg);
   expect(probe.stiffness_N_per_m > 0 && probe.stiffness_N_per_m <= 1e5, "probe_stiffness_N_per_m",
-         "above 0, up to 1e5 N/m");
-  expect(is_between(probe.damping_N_s_per_m, 1e4), "probe_damping_N_s_per_m", "0 to 1e4 N s/m");
+         "above 0, up to 1e5 N/m", probe.stiffness_N_per_m);
+  expect(is_between(probe.damping_N_s_per_m, 1e4), "probe_damping_N_s_per_m", "0 to 1e4 N s/m",
+         probe.damping_N_s_per_m);
 }
 
 }  // namespace forcebound::server
