@@ -137,7 +137,9 @@ static partial class Checks {
         client.Start();
         Until(client, state => {
           foreach (Probe probe in floor.Ask()) {
-            foreach (Push push in probe.Pushes) pushed_N = push.Body == 7 ? push.Impulse_Ns[2] / probe.Interval_s : 0;
+            double pushed_Ns = 0;  // under the newest report, and under the one before
+            foreach (Push push in probe.Pushes) pushed_Ns += push.Body == 7 ? push.Impulse_Ns[2] : 0;
+            pushed_N = probe.Interval_s > 0 ? pushed_Ns / probe.Interval_s : 0;
             Expect(floor.Report(probe.Client, new Touch { Body = 7, Place_m = new double[3],
                                                           Normal = new double[] { 0, 0, 1 } }), "a report");
           }
