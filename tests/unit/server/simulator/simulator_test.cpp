@@ -66,7 +66,7 @@ Impulses impulses(int ticks_of_step) {
       double pushed_Ns = 0;
       for (const auto& push : std::span(asked.pushes).first(asked.push_count)) pushed_Ns += push.impulse_Ns.z();
       const double step_s = ticks_of_step * kTick_s;
-      sled.step(step_s, pushed_Ns / step_s);
+      sled.step(step_s, {.force_N = {0, 0, pushed_Ns / step_s}});
       all.given_Ns -= pushed_Ns;
       EXPECT_TRUE(simulator->report(asked.client, std::array{sled.touch(asked.place_m)}));
     }

@@ -16,8 +16,11 @@ namespace forcebound::server {
 class SlowWorld {
  public:
   virtual ~SlowWorld() = default;
-  /// @param pushed_N on it along z
-  virtual void step(double step_s, double pushed_N) = 0;
+  struct Pushed {
+    Point place_m = Point::Zero();  ///< that was told of
+    Point force_N = Point::Zero();
+  };
+  virtual void step(double step_s, const Pushed& pushed) = 0;
   /// Where a probe there meets it.
   [[nodiscard]] virtual Touch touch(const Point& probe_m) const = 0;
 };
@@ -25,7 +28,7 @@ class SlowWorld {
 /// Stands at z = 0.
 class SlowWall final : public SlowWorld {
  public:
-  void step(double /*step_s*/, double /*pushed_N*/) override {}
+  void step(double /*step_s*/, const Pushed& /*pushed*/) override {}
   [[nodiscard]] Touch touch(const Point& probe_m) const override {
     return {.place_m = {probe_m.x(), probe_m.y(), 0}, .normal = Point::UnitZ(), .friction = 0.3};
   }
@@ -36,8 +39,8 @@ class SlowSled final : public SlowWorld {
  public:
   explicit SlowSled(double mass_kg = 0.6, double dry_N = 1.8) : mass_kg_(mass_kg), dry_N_(dry_N) {}
 
-  void step(double step_s, double pushed_N) override {
-    const double free = speed_m_per_s_ + step_s * pushed_N / mass_kg_;
+  void step(double step_s, const Pushed& pushed) override {
+    const double free = speed_m_per_s_ + step_s * pushed.force_N.z() / mass_kg_;
     const double rubbed = std::min(std::abs(free), step_s * dry_N_ / mass_kg_);
     speed_m_per_s_ = free - std::copysign(rubbed, free);
     face_m_ += step_s * speed_m_per_s_;
@@ -63,7 +66,7 @@ class SlowSled final : public SlowWorld {
 /// its top gives way by: the spring of all of it, and the mass that moves with the top.
 class SlowColumn final : public SlowWorld {
  public:
-  void step(double step_s, double pushed_N) override {
+  void step(double step_s, const Pushed& pushed) override {
     using Square = Eigen::Matrix<double, kNodes, kNodes>;
     Square stiffness = Square::Zero();
     for (int i = 0; i < kNodes; ++i) {
@@ -74,7 +77,7 @@ class SlowColumn final : public SlowWorld {
     }
     const Square damping = kDamping_s * stiffness;
     Nodes force_N = -stiffness * (moved_m_ + step_s * speed_m_per_s_) - damping * speed_m_per_s_;
-    force_N[kNodes - 1] += pushed_N;
+    force_N[kNodes - 1] += pushed.force_N.z();
     const Square effective = kMass_kg * Square::Identity() + step_s * damping + step_s * step_s * stiffness;
     speed_m_per_s_ += step_s * effective.inverse() * force_N;
     moved_m_ += step_s * speed_m_per_s_;
@@ -139,10 +142,12 @@ class SteppedBeside final : public Environment {
   void step() {
     if (asked_.client != 0) (void)simulator_->report(asked_.client, std::array{world_->touch(asked_.place_m)});
     if (simulator_->probes({&asked_, 1}) == 0) return;
-    double pushed_Ns = 0;
-    for (const Simulator::Push& push : std::span(asked_.pushes).first(asked_.push_count))
-      pushed_Ns += push.impulse_Ns.z();
-    world_->step(beats_.step_s(), pushed_Ns / beats_.step_s());
+    SlowWorld::Pushed pushed;
+    for (const Simulator::Push& push : std::span(asked_.pushes).first(asked_.push_count)) {
+      pushed.place_m = push.place_m;
+      pushed.force_N += push.impulse_Ns / beats_.step_s();
+    }
+    world_->step(beats_.step_s(), pushed);
   }
 
   std::unique_ptr<Environment> felt_;
@@ -162,7 +167,7 @@ class HeldBeside final : public Environment {
       const Touch touch = world_->touch(motion.position);
       const double depth_m = touch.place_m.z() - motion.position.z();
       pushed_N_ = std::max(0.0, ProbeFacts{}.stiffness_N_per_m * depth_m);
-      world_->step(beats_.step_s(), -pushed_N_);
+      world_->step(beats_.step_s(), {.place_m = touch.place_m, .force_N = {0, 0, -pushed_N_}});
     });
     return {.force = Point(0, 0, pushed_N_)};
   }
