@@ -15,6 +15,7 @@ scenes       what the server simulates
 simulation   client, network and server in virtual time, with laws, environments and hands in Python if wanted
 recordings   MCAP files as numpy's structured arrays
 client       a client of a live server, with a simulated device
+server       a live server of a simulator of one's own; forcebound.Server and forcebound.Touch are its
 """
 
 try:
@@ -31,6 +32,7 @@ except ImportError as error:
         name="forcebound._native",
     ) from error
 
-from forcebound import client, devices, laws, recordings, scenes, simulation
+from forcebound import client, devices, laws, recordings, scenes, server, simulation
+from forcebound.server import Server, Touch
 
-__all__ = ["__version__", "client", "devices", "laws", "recordings", "scenes", "simulation"]
+__all__ = ["Server", "Touch", "__version__", "client", "devices", "laws", "recordings", "scenes", "server", "simulation"]

@@ -14,5 +14,6 @@ void bind_own_laws(pybind11::module_& module);
 void bind_recordings(pybind11::module_& module);
 void bind_closed_loop(pybind11::module_& module);
 void bind_client(pybind11::module_& module);
+void bind_server(pybind11::module_& module);
 
 }  // namespace forcebound::python

@@ -10,23 +10,6 @@
 
 namespace forcebound::python {
 
-double number_from(py::handle value, const char* name) {
-  const double number = PyFloat_AsDouble(value.ptr());
-  if (number == -1 && PyErr_Occurred() != nullptr) {
-    PyErr_Clear();
-    throw py::type_error(std::string(name) + ": expected a number, got " +
-                         py::str(py::type::of(value)).cast<std::string>());
-  }
-  return number;
-}
-
-double seconds_from(py::handle value, const char* name) {
-  constexpr double kMost_s = 1e6;
-  const double seconds = number_from(value, name);
-  if (seconds >= 0 && seconds <= kMost_s) return seconds;
-  throw py::value_error(std::string(name) + " must be 0 to 1e6 s, got " + py::str(value).cast<std::string>());
-}
-
 namespace {
 
 using control::Bracket;

@@ -40,6 +40,12 @@ void add_fields(Class& type, const std::vector<Field<Struct>>& fields) {
   for (const Field<Struct>& field : fields) type.def_property_readonly(field.name, field.get, field.doc);
 }
 
+/// @throws py::type_error naming the field
+[[nodiscard]] std::string text_from(py::handle value, const char* name);
+
+/// @throws py::type_error naming the field, py::value_error naming the bounds too
+[[nodiscard]] long long whole_from(py::handle value, const char* name, long long least, long long most);
+
 /// A number. @throws py::type_error naming the field
 [[nodiscard]] double number_from(py::handle value, const char* name);
 

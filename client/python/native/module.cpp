@@ -26,4 +26,5 @@ PYBIND11_MODULE(_native, module) {
   fb::bind_recordings(module);
   fb::bind_closed_loop(module);
   fb::bind_client(module);
+  fb::bind_server(module);
 }
