@@ -2,8 +2,11 @@
 
 import json
 import os
+import re
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -34,7 +37,8 @@ def is_a_figure(file: Path) -> bool:
 
 
 def test_every_example_is_run_here():
-    assert {file.name for file in folder().glob("*.py")} == {"paper_table.py", "own_law.py", "replay_recording.py"}
+    assert {file.name for file in folder().glob("*.py")} == {"paper_table.py", "own_law.py", "replay_recording.py",
+                                                               "soft_body.py"}
 
 
 def test_the_papers_table_is_that_of_the_lab(lab, tmp_path):
@@ -85,3 +89,28 @@ def test_a_recording_is_replayed_by_each_law(tmp_path, given):
     assert [line.split()[0] for line in printed.splitlines()] == ["fba-less", "fba-more", "fba-exact"]
     assert all(float(line.split()[2]) > 0 for line in printed.splitlines())
     assert is_a_figure(tmp_path / ("figure.png" if given else "replay_recording.png"))
+
+
+@pytest.mark.parametrize("rate", ["60", "200"])
+def test_a_soft_body_is_pressed_in(rate):
+    from forcebound.client import Client
+
+    with subprocess.Popen([sys.executable, "-u", folder() / "soft_body.py", "--rate", rate, "--listen", "127.0.0.1:0"],
+                          stdout=subprocess.PIPE, text=True) as stepping:
+        address = re.search(r"times a second at (\S+)$", stepping.stdout.readline().strip())[1]
+        with Client(address, device="firm-3dof", hand="press:axis=2,from_m=0.003,to_m=-0.005") as feeling:
+            while len(feeling.ticks()) < 300 or np.median(feeling.ticks(-300)["applied_N"][:, 2]) < 1:
+                time.sleep(0.01)
+        stepping.send_signal(signal.SIGINT)
+        said = stepping.stdout.read()
+    assert stepping.returncode == 0
+    assert float(re.search(r"pressed in by up to (\S+) mm", said)[1]) > 0.5
+    assert int(re.search(r"(\d+) reports", said)[1]) > 0
+
+
+def test_a_soft_body_refuses_in_one_line():
+    for arguments, why in ((["--rate", "5"], "--rate must be 20 to 250, got 5"),
+                           (["--listen", "0.0.0.0:0"], "--insecure")):
+        run = subprocess.run([sys.executable, folder() / "soft_body.py", *arguments], capture_output=True, text=True,
+                             check=False)
+        assert run.returncode == 2 and why in run.stderr.splitlines()[-1]
