@@ -1,5 +1,6 @@
 """forcebound.server: a simulator in Python, served live, and felt by a live client."""
 
+import ctypes
 import subprocess
 import sys
 import textwrap
@@ -191,6 +192,17 @@ def test_no_more_clients_are_let_in_than_have_room():
         other = Client(serving.address, **PRESSING, once=True)
         other.run()
         assert other.why_no_session
+
+
+def test_forces_are_sent_while_the_interpreter_is_held(serving):
+    """The counts may be 0.1 s old, or about 100 forces."""
+    with Client(serving.address, **PRESSING):
+        asked(serving)
+        sent = 0
+        while sent < 300:
+            before = serving.summary["counts"]["forces_sent"]
+            ctypes.PyDLL(None).usleep(900_000)
+            sent = serving.summary["counts"]["forces_sent"] - before
 
 
 def test_an_interpreter_that_ends_stops_its_servers():
