@@ -361,6 +361,138 @@ public sealed class Law : IDisposable {
   public void Dispose() => handle.Dispose();
 }
 
+/// <summary>A joint of a leader arm and its servo: bounds, of which the truth is never worse. See
+/// fb_leader_joint.</summary>
+public sealed class LeaderJoint {
+  public string Name;
+  public double Damping_N_m_s_per_rad;
+  public double Friction_N_m;
+  public double EncoderStep_rad;
+  public double Backlash_rad;
+  public double MaxTorque_N_m;
+  public double TorqueStep_N_m;
+  public double TorqueGainShare;
+  public double TorqueRippleShare;
+  /// <summary>Never exceeded; 0: not known.</summary>
+  public double MaxSpeed_rad_per_s;
+  /// <summary>0: it takes torques; else goals.</summary>
+  public double GoalStiffness_N_m_per_rad;
+  /// <summary>Of goals; both 0: any.</summary>
+  public double LeastGoal_rad;
+  public double MostGoal_rad;
+}
+
+/// <summary>The loop of a leader arm; 0 is the standard value. See fb_leader_settings.</summary>
+public sealed class LeaderSettings {
+  public double Period_s;
+  public double MaxLatency_s;
+  public double MaxRead_s;
+  public double MaxHold_s;
+  public double LeastWatchdog_s;
+  public double ClockShare;
+  public double Memory_J;
+}
+
+/// <summary>What a leader may spend, and what it counted. See fb_leader_state.</summary>
+public struct LeaderState {
+  internal Native.fb_leader_state native;
+
+  public double LeastEnergy_J => native.energy_J_least;
+  public ulong ReadingsLost => native.readings_lost;
+  public ulong FeedbackNotFinite => native.feedback_not_finite;
+  public ulong Saturated => native.saturated;
+  public ulong IntervalsImpossible => native.intervals_impossible;
+  public ulong Late => native.late;
+  public ulong WritesFailed => native.writes_failed;
+}
+
+/// <summary>Bounds the torques of a leader arm so that its joints return no more energy than they dissipate. One
+/// thread at a time.</summary>
+public sealed class ForceBoundedLeader : IDisposable {
+  private readonly Native.LeaderHandle handle;
+  private readonly int joints;
+
+  /// <param name="settings">Null: standard values, and no latency.</param>
+  public unsafe ForceBoundedLeader(LeaderJoint[] servos, LeaderSettings settings = null) {
+    Native.Given(servos, nameof(servos));
+    Library.Require();
+    joints = servos.Length;
+    LeaderSettings loop = settings ?? new LeaderSettings();
+    using (var texts = new Native.Texts()) {
+      var all = new Native.fb_leader_joint[Math.Max(1, joints)];
+      for (int k = 0; k < joints; ++k) {
+        Native.Given(servos[k], nameof(servos));
+        all[k] = new Native.fb_leader_joint { size = (UIntPtr)sizeof(Native.fb_leader_joint),
+                                              name = texts.Add(servos[k].Name, nameof(LeaderJoint.Name)),
+                                              damping_N_m_s_per_rad = servos[k].Damping_N_m_s_per_rad,
+                                              friction_N_m = servos[k].Friction_N_m,
+                                              encoder_step_rad = servos[k].EncoderStep_rad,
+                                              backlash_rad = servos[k].Backlash_rad,
+                                              torque_N_m_max = servos[k].MaxTorque_N_m,
+                                              torque_step_N_m = servos[k].TorqueStep_N_m,
+                                              torque_gain_share = servos[k].TorqueGainShare,
+                                              torque_ripple_share = servos[k].TorqueRippleShare,
+                                              speed_rad_per_s_max = servos[k].MaxSpeed_rad_per_s,
+                                              goal_stiffness_N_m_per_rad = servos[k].GoalStiffness_N_m_per_rad,
+                                              goal_rad_least = servos[k].LeastGoal_rad,
+                                              goal_rad_most = servos[k].MostGoal_rad };
+      }
+      var native = new Native.fb_leader_settings { size = (UIntPtr)sizeof(Native.fb_leader_settings),
+                                                   period_s = loop.Period_s,
+                                                   latency_s_max = loop.MaxLatency_s,
+                                                   read_s_max = loop.MaxRead_s,
+                                                   hold_s_max = loop.MaxHold_s,
+                                                   watchdog_s_least = loop.LeastWatchdog_s,
+                                                   clock_share = loop.ClockShare,
+                                                   memory_J = loop.Memory_J };
+      IntPtr made;
+      fixed (Native.fb_leader_joint* first = all) {
+        Native.Check(Native.fb_leader_create(first, (UIntPtr)joints, &native, out made));
+      }
+      handle = new Native.LeaderHandle(made);
+    }
+  }
+
+  /// <summary>Notes the readings and gives the torques to command now. Tick.</summary>
+  /// <param name="feedback_N_m">Null: there is none, or it is too old.</param>
+  /// <param name="interval_s">Since the stamp of the step before, measured.</param>
+  public unsafe void Step(double[] position_rad, double[] feedback_N_m, double interval_s, double[] torque_N_m) {
+    try {
+      Native.Length(torque_N_m, joints, nameof(torque_N_m));
+      Array.Clear(torque_N_m, 0, joints);
+      Native.Length(position_rad, joints, nameof(position_rad));
+      if (feedback_N_m != null) Native.Length(feedback_N_m, joints, nameof(feedback_N_m));
+    } catch (ArgumentException) {
+      Native.fb_leader_step(handle, null, null, interval_s, null, UIntPtr.Zero);  // lost
+      throw;
+    }
+    fixed (double* position = position_rad)
+    fixed (double* feedback = feedback_N_m)
+    fixed (double* torque = torque_N_m) {
+      Native.Check(Native.fb_leader_step(handle, position, feedback, interval_s, torque, (UIntPtr)joints));
+    }
+  }
+
+  /// <summary>The torques of the last step may not have been written, or not in time. Tick.</summary>
+  public void ReportFailedWrite() => Native.Check(Native.fb_leader_write_failed(handle));
+
+  /// <summary>What to write to servos that take goals; not a number for others. Tick.</summary>
+  public unsafe void Goals(double[] goal_rad) {
+    Native.Length(goal_rad, joints, nameof(goal_rad));
+    fixed (double* goal = goal_rad) Native.Check(Native.fb_leader_goals(handle, goal, (UIntPtr)joints));
+  }
+
+  /// <summary>Tick.</summary>
+  public unsafe LeaderState State() {
+    var state = new LeaderState();
+    state.native.size = (UIntPtr)sizeof(Native.fb_leader_state);
+    Native.Check(Native.fb_leader_look(handle, &state.native));
+    return state;
+  }
+
+  public void Dispose() => handle.Dispose();
+}
+
 /// <summary>One reading of a device with callbacks. All of it is as fb_reading says.</summary>
 public sealed class Reading {
   internal Reading(Facts facts) {
@@ -1416,6 +1548,49 @@ internal static unsafe class Native {
   }
 
   [StructLayout(LayoutKind.Sequential)]
+  internal struct fb_leader_joint {
+    public UIntPtr size;
+    public IntPtr name;
+    public double damping_N_m_s_per_rad;
+    public double friction_N_m;
+    public double encoder_step_rad;
+    public double backlash_rad;
+    public double torque_N_m_max;
+    public double torque_step_N_m;
+    public double torque_gain_share;
+    public double torque_ripple_share;
+    public double speed_rad_per_s_max;
+    public double goal_stiffness_N_m_per_rad;
+    public double goal_rad_least;
+    public double goal_rad_most;
+  }
+
+  [StructLayout(LayoutKind.Sequential)]
+  internal struct fb_leader_settings {
+    public UIntPtr size;
+    public double period_s;
+    public double latency_s_max;
+    public double read_s_max;
+    public double hold_s_max;
+    public double watchdog_s_least;
+    public double clock_share;
+    public double memory_J;
+  }
+
+  [StructLayout(LayoutKind.Sequential)]
+  internal struct fb_leader_state {
+    public UIntPtr size;
+    public double energy_J_least;
+    public ulong readings_lost;
+    public ulong feedback_not_finite;
+    public ulong saturated;
+    public ulong intervals_impossible;
+    public ulong late;
+    public ulong writes_failed;
+    public ulong calls_refused;
+  }
+
+  [StructLayout(LayoutKind.Sequential)]
   internal struct fb_reading {
     public UIntPtr size;
     public uint has;
@@ -1647,6 +1822,20 @@ internal static unsafe class Native {
   internal static extern int fb_law_confirm(LawHandle law, double latency_s, double* force_N, UIntPtr axes);
   [DllImport(Name, CallingConvention = C)] internal static extern int fb_law_ledger(LawHandle law, fb_ledger* ledger);
   [DllImport(Name, CallingConvention = C)]
+  internal static extern int fb_leader_create(fb_leader_joint* joints, UIntPtr count, fb_leader_settings* settings,
+                                              out IntPtr leader);
+  [DllImport(Name, CallingConvention = C)]
+  internal static extern void fb_leader_destroy(IntPtr leader);
+  [DllImport(Name, CallingConvention = C)]
+  internal static extern int fb_leader_step(LeaderHandle leader, double* position_rad, double* feedback_N_m,
+                                            double interval_s, double* torque_N_m, UIntPtr joints);
+  [DllImport(Name, CallingConvention = C)]
+  internal static extern int fb_leader_write_failed(LeaderHandle leader);
+  [DllImport(Name, CallingConvention = C)]
+  internal static extern int fb_leader_goals(LeaderHandle leader, double* goal_rad, UIntPtr joints);
+  [DllImport(Name, CallingConvention = C)]
+  internal static extern int fb_leader_look(LeaderHandle leader, fb_leader_state* state);
+  [DllImport(Name, CallingConvention = C)]
   internal static extern int fb_device_open(byte[] device, byte[] hand, out IntPtr opened);
   [DllImport(Name, CallingConvention = C)]
   internal static extern int fb_device_of_callbacks(FactsHandle facts, fb_device_callbacks* callbacks, out IntPtr device);
@@ -1704,6 +1893,14 @@ internal static unsafe class Native {
     internal LawHandle(IntPtr made) : base(made) {}
     protected override bool ReleaseHandle() {
       fb_law_destroy(handle);
+      return true;
+    }
+  }
+
+  internal sealed class LeaderHandle : Handle {
+    internal LeaderHandle(IntPtr made) : base(made) {}
+    protected override bool ReleaseHandle() {
+      fb_leader_destroy(handle);
       return true;
     }
   }

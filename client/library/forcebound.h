@@ -191,6 +191,89 @@ typedef struct fb_ledger {
 /* Of the thread that ticks. A law alone is never audited. Tick. */
 FB_EXPORT fb_status fb_law_ledger(const fb_law* law, fb_ledger* ledger);
 
+/* ---- A leader arm: feedback in its joints that cannot make it return more energy than these dissipate. Any number of
+ * joints, each bounded by an fba-exact of its own; loops of 10 to 10000 Hz, and any jitter up to hold_s_max.
+ *
+ *     fb_leader_step(leader, position_rad, feedback_N_m, interval_s, torque_N_m, joints)
+ *
+ * A torque is what the servo does to the joint, positive as the angle, which is unwrapped. A servo takes torques,
+ * currents or voltages; or goal positions together with a torque limit: a goal out of reach on the side of the torque,
+ * the limit its size; or goal positions alone, where goal_stiffness_N_m_per_rad is soft enough, else that is refused. */
+
+typedef struct fb_leader fb_leader;
+
+/* What is known of a joint and its servo, at the joint: bounds, of which the truth is never worse. */
+typedef struct fb_leader_joint {
+  size_t size;
+  const char* name;             /* for errors; null: its number */
+  double damping_N_m_s_per_rad; /* at least, while the servo is on: a motor driven by voltage brakes too */
+  double friction_N_m;          /* dry friction, at least */
+  double encoder_step_rad;      /* 2 pi / 4096, say */
+  double backlash_rad;          /* play between encoder and motor, from stop to stop */
+  double torque_N_m_max;        /* the most that it may be asked for */
+  double torque_step_N_m;       /* of two neighbouring commands; 0: any */
+  double torque_gain_share;     /* its torque is the command times one constant, 1 and up to so much less or more, */
+  double torque_ripple_share;   /* and off by up to this share, another one at each instant */
+  double speed_rad_per_s_max;   /* never exceeded: a reading beyond is lost; 0: not known */
+  double goal_stiffness_N_m_per_rad; /* 0: it takes torques; else goals, and pulls there as a spring: constant, without
+                                        integral part, profile, dead zone or least torque */
+  double goal_rad_least;             /* of goals; both 0: any */
+  double goal_rad_most;
+} fb_leader_joint;
+
+typedef struct fb_leader_settings {
+  size_t size;
+  double period_s;         /* nominal, between steps; 0: 1/60 */
+  double latency_s_max;    /* from a reading's stamp until the torque that is chosen on it acts */
+  double read_s_max;       /* of that, until the servos latch their positions */
+  double hold_s_max;       /* later steps count as late; 0: two periods and the latency. */
+  double watchdog_s_least; /* 0: servos hold a torque until the next one, and late steps are not passive; else they let
+                              go by themselves, no sooner than this and no later than hold_s_max */
+  double clock_share;      /* the clock is fast or slow by up to this share; 0: 1e-4 */
+  double memory_J;         /* no joint saves more for later; 0: 0.1 */
+} fb_leader_settings;
+
+/* @param joints an array, each element of the same size @param settings null: standard values, and no latency
+ * FB_INVALID: which joint's number is not what it has to be. */
+FB_EXPORT fb_status fb_leader_create(const fb_leader_joint* joints, size_t count, const fb_leader_settings* settings,
+                                     fb_leader** leader);
+
+/* Null is accepted. */
+FB_EXPORT void fb_leader_destroy(fb_leader* leader);
+
+/* Notes the readings and gives the torques to command now. A reading that is not finite or further than the joint can
+ * be so soon is lost: its torque is zero, the others are not affected.
+ *
+ * @param feedback_N_m what follower or simulation ask for, say stiffness * (follower - leader); not finite: zero; null:
+ *        there is none, or it is too old
+ * @param interval_s since the stamp of the step before, measured; of the first step not read. Not above zero: torques
+ * are zero until those before are over
+ * @param joints numbers of the arrays
+ * FB_INVALID: another number of joints, a null pointer. Torques are zero, and the readings lost. Tick. */
+FB_EXPORT fb_status fb_leader_step(fb_leader* leader, const double* position_rad, const double* feedback_N_m,
+                                   double interval_s, double* torque_N_m, size_t joints);
+
+/* The torques of the last step may not have been written, or not in time: those before may act still. Tick. */
+FB_EXPORT fb_status fb_leader_write_failed(fb_leader* leader);
+
+/* What to write to servos that take goals; not a number for others, and where no reading was good yet. Tick. */
+FB_EXPORT fb_status fb_leader_goals(const fb_leader* leader, double* goal_rad, size_t joints);
+
+typedef struct fb_leader_state {
+  size_t size;
+  double energy_J_least;         /* of the joint that may spend least now */
+  uint64_t readings_lost;        /* each joint's */
+  uint64_t feedback_not_finite;  /* likewise */
+  uint64_t saturated;            /* likewise, above its largest torque */
+  uint64_t intervals_impossible; /* of steps */
+  uint64_t late;                 /* of servos without a watchdog: not passive */
+  uint64_t writes_failed;
+  uint64_t calls_refused; /* of fb_leader_step, for its arguments */
+} fb_leader_state;
+
+/* Tick. */
+FB_EXPORT fb_status fb_leader_look(const fb_leader* leader, fb_leader_state* state);
+
 /* ---- A device: one of ours, or callbacks of yours. */
 
 typedef struct fb_device fb_device;

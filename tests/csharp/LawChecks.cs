@@ -121,6 +121,37 @@ static partial class Checks {
     }
   }
 
+  static void LeaderIsTheLibrarys() {
+    var servo = new LeaderJoint { Name = "elbow",
+                                  Damping_N_m_s_per_rad = 0.15,
+                                  Friction_N_m = 0.03,
+                                  EncoderStep_rad = 2 * Math.PI / 4096,
+                                  MaxTorque_N_m = 1,
+                                  MaxSpeed_rad_per_s = 30,
+                                  GoalStiffness_N_m_per_rad = 0.5 };
+    var settings = new LeaderSettings { Period_s = 0.005, MaxLatency_s = 0.001 };
+    using (var leader = new ForceBoundedLeader(new[] { servo, servo }, settings)) {
+      double[] position_rad = new double[2], feedback_N_m = { -1, -1 }, torque_N_m = new double[2],
+               goal_rad = new double[2];
+      for (int n = 0; n < 200; ++n) {
+        position_rad[0] = position_rad[1] = 0.005 * n;
+        leader.Step(position_rad, feedback_N_m, 0.005, torque_N_m);
+      }
+      leader.Goals(goal_rad);
+      Expect(torque_N_m[0] < 0 && torque_N_m[0] == torque_N_m[1], "a torque, got " + torque_N_m[0]);
+      Expect(Math.Abs(goal_rad[0] - position_rad[0] - torque_N_m[0] / 0.5) < 1e-12, "its goal, got " + goal_rad[0]);
+      Thrown<ArgumentException>(() => leader.Step(new double[3], feedback_N_m, 0.005, torque_N_m), "2");
+      Expect(torque_N_m[0] == 0, "zero torque after a wrong call");
+      leader.ReportFailedWrite();
+      LeaderState state = leader.State();
+      Expect(state.ReadingsLost == 2 && state.WritesFailed == 1 && state.Late == 0, "what was lost is counted");
+    }
+    servo.MaxTorque_N_m = 0;
+    Thrown<ForceboundException>(() => new ForceBoundedLeader(new[] { servo }),
+                                "joint 'elbow': torque_N_m_max must be > 0");
+    Thrown<ForceboundException>(() => new ForceBoundedLeader(new LeaderJoint[0]), "count must be 1 to 1000");
+  }
+
   // Any allocation would fill the nursery, of 4 MB, and have it collected: the smallest object has 16 bytes.
   static void TickDoesNotAllocate() {
     const int warm = 1000, ticks = 400000;

@@ -67,6 +67,7 @@ TEST(CSharp, DeclaresWhatTheHeaderDeclares) {
 
 TEST(CSharp, ReadsFactsAndRefusesWrongOnes) { expect_passes("FactsAreThoseOfTheFile"); }
 TEST(CSharp, BoundsByALaw) { expect_passes("LawIsTheLibrarys"); }
+TEST(CSharp, BoundsALeaderArm) { expect_passes("LeaderIsTheLibrarys"); }
 TEST(CSharp, RefusesArraysOfWrongLengths) { expect_passes("WrongLengthsAreRefused"); }
 TEST(CSharp, RefusesUseAfterDispose) { expect_passes("UseAfterDisposeIsRefused"); }
 TEST(CSharp, DisposesALawAfterTheTickOfAnotherThread) { expect_passes("DisposeWaitsForTheTick"); }

@@ -10,6 +10,7 @@ namespace forcebound::library {
 struct End {
   void operator()(fb_facts* facts) const { fb_facts_destroy(facts); }
   void operator()(fb_law* law) const { fb_law_destroy(law); }
+  void operator()(fb_leader* leader) const { fb_leader_destroy(leader); }
   void operator()(fb_device* device) const { fb_device_destroy(device); }
   void operator()(fb_client* client) const { fb_client_destroy(client); }
   void operator()(fb_server* server) const { fb_server_destroy(server); }
