@@ -37,8 +37,8 @@ def is_a_figure(file: Path) -> bool:
 
 
 def test_every_example_is_run_here():
-    assert {file.name for file in folder().glob("*.py")} == {"paper_table.py", "own_law.py", "replay_recording.py",
-                                                               "soft_body.py"}
+    assert {file.name for file in folder().glob("*.py")} == {"leader_arm.py", "paper_table.py", "own_law.py",
+                                                               "replay_recording.py", "soft_body.py"}
 
 
 def test_the_papers_table_is_that_of_the_lab(lab, tmp_path):
@@ -60,6 +60,19 @@ def test_the_papers_table_is_that_of_the_lab(lab, tmp_path):
             [lab_row["passivity"]["minimum_J"] * 1e3, np.nan if median is None else median * 1e-3,
              lab_row["force_N"]["mean"], lab_row["force_N"]["variance"]],
             rtol=6e-3, atol=1e-9, err_msg=" ".join(row))
+
+
+def test_a_leader_arm_rests_with_the_law_and_shakes_without_it(tmp_path):
+    rows = [line.split() for line in run("leader_arm.py", cwd=tmp_path).splitlines()[1:]]
+    assert [row[:2] for row in rows] == [[rate, law] for rate in ("60", "200", "1000") for law in ("none", "fba-exact")]
+    page = folder().parent / "README.md"
+    for (rate, _, shaken, lost_J, restless, _), (_, _, shown, least_J, rests, _) in zip(rows[::2], rows[1::2]):
+        assert float(lost_J) < -1
+        assert float(least_J) >= -1e-9
+        assert float(restless) < 20 < 95 < float(rests)
+        assert float(shown) > 2
+        if page.exists():
+            assert f"| {rate} | {shown}, {shaken} | {least_J}, {lost_J} | {rests}, {restless} |" in page.read_text()
 
 
 def test_the_papers_table_takes_40_lines():

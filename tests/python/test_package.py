@@ -10,10 +10,10 @@ from pathlib import Path
 import pytest
 
 import forcebound
-from forcebound import _native, client, devices, laws, recordings, scenes, server, simulation
+from forcebound import _native, client, devices, laws, leader, lerobot, recordings, scenes, server, simulation
 
 FOLDER = Path(forcebound.__file__).parent
-MODULES = [client, devices, laws, recordings, scenes, server, simulation]
+MODULES = [client, devices, laws, leader, lerobot, recordings, scenes, server, simulation]
 
 
 def names_in_stub(file):

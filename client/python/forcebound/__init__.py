@@ -14,6 +14,8 @@ devices      simulated devices, and the facts of any device that a law relies on
 scenes       what the server simulates
 simulation   client, network and server in virtual time, with laws, environments and hands in Python if wanted
 recordings   MCAP files as numpy's structured arrays
+leader       force feedback for leader arms
+lerobot      the same in the form of LeRobot's teleoperators
 client       a client of a live server, with a simulated device
 server       a live server of a simulator of one's own; forcebound.Server and forcebound.Touch are its
 """
@@ -32,7 +34,20 @@ except ImportError as error:
         name="forcebound._native",
     ) from error
 
-from forcebound import client, devices, laws, recordings, scenes, server, simulation
+from forcebound import client, devices, laws, leader, lerobot, recordings, scenes, server, simulation
 from forcebound.server import Server, Touch
 
-__all__ = ["Server", "Touch", "__version__", "client", "devices", "laws", "recordings", "scenes", "server", "simulation"]
+__all__ = [
+    "Server",
+    "Touch",
+    "__version__",
+    "client",
+    "devices",
+    "laws",
+    "leader",
+    "lerobot",
+    "recordings",
+    "scenes",
+    "server",
+    "simulation",
+]

@@ -11,6 +11,7 @@ void bind_scenes(pybind11::module_& module);
 void bind_laws(pybind11::module_& module);
 void bind_server_side_laws(pybind11::module_& module);
 void bind_own_laws(pybind11::module_& module);
+void bind_leader(pybind11::module_& module);
 void bind_recordings(pybind11::module_& module);
 void bind_closed_loop(pybind11::module_& module);
 void bind_client(pybind11::module_& module);

@@ -23,6 +23,7 @@ PYBIND11_MODULE(_native, module) {
   fb::bind_laws(module);
   fb::bind_server_side_laws(module);
   fb::bind_own_laws(module);
+  fb::bind_leader(module);
   fb::bind_recordings(module);
   fb::bind_closed_loop(module);
   fb::bind_client(module);
