@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "forcebound/client/app/device_options.hpp"
 #include "forcebound/client/app/identity_options.hpp"
 #include "forcebound/client/app/known_devices.hpp"
 #include "forcebound/client/page/known_scenes.hpp"
@@ -57,41 +58,12 @@ std::string default_scene_cache() {
 
 /// As typed: not yet in the units and types of the options.
 struct Typed {
-  double hold_ms = 0;
-  double drop_ms = 0;
-  std::string memory = "capped";
+  TypedDevice device{};
+  TypedAges ages{};
   std::string rendering = "local";
   std::string send_rate = "1000";
   std::string page{};
 };
-
-/// Who feels what, and what bounds it.
-void add_device_and_law(CLI::App& app, Options& options, Typed& typed) {
-  app.add_option("--scene", options.client.scene, "scene to request; default: the server's")->type_name("NAME");
-  app.add_option("--device", options.device.device, "device to read, see below")->type_name("NAME|FILE.toml|DRIVER");
-  app.add_option("--operator", options.device.hand, "hand on a simulated device, see below")->type_name("SPEC");
-  app.add_option("--rate", options.device.rate_Hz,
-                 "ticks per second, 500 to 4000: the device is read and commanded so often, and the law shows stiffer "
-                 "walls the shorter a tick is; default: the device's own")
-      ->check(program::number_within(device::kTickRateLeast_Hz, device::kTickRateMost_Hz))
-      ->type_name("HZ");
-  app.add_option("--law", options.client.law, "law that bounds the force, see below")
-      ->transform(program::replaced_by(law_plugin::law_of_option))
-      ->type_name("LAW|FILE.so")
-      ->capture_default_str();
-  app.add_option("--law-parameters", options.law_parameters, "a table for each law: [vc], coupling_N_per_m = 40000")
-      ->check(program::not_empty())
-      ->type_name("FILE.toml");
-  app.add_option("--law-help", options.law_help,
-                 "explain this law, its parameters and their values for --device, and end")
-      ->transform(program::replaced_by(law_plugin::law_of_option))
-      ->type_name("LAW|FILE.so");
-  app.add_option("--memory", typed.memory,
-                 "energy that fba-exact may store: as much as the largest force can need, or all")
-      ->check(program::one_of("memory", {"capped", "full"}))
-      ->type_name("capped|full")
-      ->capture_default_str();
-}
 
 /// How forces come to be: where, how often, how fast and until when.
 void add_rendering(CLI::App& app, Options& options, Typed& typed) {
@@ -122,14 +94,7 @@ void add_rendering(CLI::App& app, Options& options, Typed& typed) {
                  "allows")
       ->type_name("HZ|auto")
       ->capture_default_str();
-  app.add_option("--hold", typed.hold_ms, "age up to which a force is applied unchanged")
-      ->check(program::number_within(0))
-      ->capture_default_str()
-      ->type_name("MS");
-  app.add_option("--drop", typed.drop_ms, "age from which a force is replaced by zero")
-      ->check(program::number_within(0))
-      ->capture_default_str()
-      ->type_name("MS");
+  add_late_force_options(app, typed.ages);
 }
 
 /// @returns the seed's option, to know whether it was given
@@ -147,7 +112,12 @@ const CLI::Option* describe(CLI::App& app, Options& options, Typed& typed, const
   app.add_flag("--insecure", options.client.insecure,
                "do not encrypt, although the server is on another machine: anybody on the way can read, change and "
                "forge");
-  add_device_and_law(app, options, typed);
+  app.add_option("--scene", options.client.scene, "scene to request; default: the server's")->type_name("NAME");
+  add_device_options(app, {.device = options.device,
+                           .law = options.client.law,
+                           .law_parameters = options.law_parameters,
+                           .law_help = options.law_help,
+                           .typed = typed.device});
   app.add_option("--duration", options.client.duration_s, "length of the run; 0: until interrupted")
       ->check(program::number_within(0))
       ->capture_default_str()
@@ -223,8 +193,7 @@ Options parse_options(int argc, const char* const* argv) {
   options.client.program = "forcebound-client " FORCEBOUND_VERSION;
   options.client.law = "fba-exact";
   options.client.scene_cache = default_scene_cache();
-  Typed typed{.hold_ms = time::to_seconds(options.client.policy.hold) * 1e3,
-              .drop_ms = time::to_seconds(options.client.policy.drop) * 1e3};
+  Typed typed;
   const control::LawRegistry laws = law_plugin::known_laws();
   const device::DeviceRegistry devices = known_devices();
   CLI::App app;
@@ -237,16 +206,14 @@ Options parse_options(int argc, const char* const* argv) {
     throw std::invalid_argument("--insecure excludes --key, --server-key, --known-servers, --trust-new and --psk");
   }
 
-  options.client.policy = {.hold = time::from_seconds(typed.hold_ms * 1e-3),
-                           .drop = time::from_seconds(typed.drop_ms * 1e-3)};
-  program::value_of("--hold, --drop", [&] { options.client.policy.validate(); });
+  options.client.policy = policy_of(typed.ages);
   options.client.renders_locally = typed.rendering == "local";
   if (app.count("--rendering") > 0 && options.client.renders_locally) {
     expect_rendering_of_law(law_plugin::known_laws(), options.client.law);
   }
   if (options.client.scene_cache == "none") options.client.scene_cache.clear();
   options.client.send_rate = program::value_of("--send-rate", [&] { return parse_send_rate(typed.send_rate); });
-  options.law_options.memory = typed.memory == "full" ? control::EnergyMemory::full : control::EnergyMemory::capped;
+  options.law_options.memory = memory_of(typed.device);
   if (options.law_help.empty()) {
     expect_complete(options.allocation);
     if (!options.client.server.empty()) {

@@ -25,7 +25,7 @@
 #include "forcebound/text/terminal.hpp"
 
 namespace forcebound::client {
-int run(const Options& options, const std::atomic<bool>& stop) {
+int run(const Options& options, const std::atomic<bool>& stop, const RunAdditions& more) {
   const control::LawRegistry laws = law_plugin::known_laws();
   const device::DeviceRegistry devices = known_devices();
   if (!options.law_help.empty()) {
@@ -54,7 +54,9 @@ int run(const Options& options, const std::atomic<bool>& stop) {
   settings.guarantee = guarantee_with(*device, laws.guarantee(settings.law));
 
   LiveLine line;
-  Client client(settings, *device, std::move(law), {&line});
+  std::vector<record::TickSink*> sinks = more.sinks;
+  sinks.push_back(&line);
+  Client client(settings, *device, std::move(law), sinks);
   spdlog::info("{}; law {}, {}, server {}, {}", first_words(*device, options.device.hand), options.client.law,
                rendering_in_words(settings, client), client.server_in_words(), encryption_in_words(settings));
   warn_of_hand(options.device.hand, *device);
@@ -72,6 +74,7 @@ int run(const Options& options, const std::atomic<bool>& stop) {
     }
     screen.refresh(now, elapsed, client.server_in_words());
     if (const std::string fault = client.take_recording_fault(); !fault.empty()) screen.report_recording_fault(fault);
+    if (more.housekeeping) more.housekeeping();
     last = now;
   };
   client.run(stop, housekeeping, [&](std::string_view crash, bool device_stopped) {
