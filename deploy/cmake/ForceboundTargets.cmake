@@ -72,6 +72,19 @@ macro(forcebound_find_mujoco)
   endif()
 endmacro()
 
+# forcebound_find_dds(): sets FORCEBOUND_ROS2 to whether forcebound-ros2 is built, where it is wanted.
+macro(forcebound_find_dds)
+  if(FORCEBOUND_ROS2)
+    find_package(CycloneDDS 0.10 QUIET)
+    find_program(FORCEBOUND_IDLC idlc)
+    mark_as_advanced(FORCEBOUND_IDLC)
+    if(NOT CycloneDDS_FOUND OR NOT FORCEBOUND_IDLC)
+      set(FORCEBOUND_ROS2 OFF)
+      message(STATUS "Without forcebound-ros2: Cyclone DDS is not installed (Debian: cyclonedds-dev cyclonedds-tools)")
+    endif()
+  endif()
+endmacro()
+
 # forcebound_by(OPTION WITH source... WITHOUT source...): which sources of the current folder are for builds with the option
 # alone, and which replace them without.
 function(forcebound_by option)

@@ -51,4 +51,5 @@ _forcebound() {
   fi
 }
 
-complete -F _forcebound forcebound forcebound-client forcebound-server forcebound-relay forcebound-lab
+complete -F _forcebound forcebound forcebound-client forcebound-server forcebound-relay forcebound-lab \
+  forcebound-ros2

@@ -1,4 +1,4 @@
-#compdef forcebound forcebound-client forcebound-server forcebound-relay forcebound-lab
+#compdef forcebound forcebound-client forcebound-server forcebound-relay forcebound-lab forcebound-ros2
 # Completion of Forcebound's programs in zsh, read from each program's --help.
 
 # The command on the line: `forcebound COMMAND`, `forcebound lab COMMAND`, `forcebound-lab COMMAND`.

@@ -11,10 +11,11 @@ namespace {
 
 // Programs, and code that runs the core on threads and sockets. Tests may too, except for the tools that ship.
 constexpr std::string_view kShells =
-    R"((client|server)/forcebound/(client|server)/(app|commands|runtime)/.*|client/(drivers|library|python)/.*|)"
+    R"((client|server)/forcebound/(client|server)/(app|commands|ros2|runtime)/.*|client/(drivers|library|python)/.*|)"
     R"(common/forcebound/program/.*|tests/tools/(demo|relay|lab)/.*|tests/(?!tools/).*)";
 constexpr std::string_view kShellsInWords =
-    "the folders app, commands, runtime and common/forcebound/program, client/drivers, client/library, client/python, "
+    "the folders app, commands, ros2, runtime and common/forcebound/program, client/drivers, client/library, "
+    "client/python, "
     "tests/tools/demo, tests/tools/relay, tests/tools/lab and the tests";
 
 // It waits for a process that reads untrusted files.
