@@ -19,11 +19,15 @@ struct Program {
   const char* path;
   const char* name;
 };
-const std::vector<Program> kPrograms{{kServer, "forcebound-server"},
-                                     {kRelay, "forcebound-relay"},
-                                     {kClient, "forcebound-client"},
-                                     {kLab, "forcebound-lab"},
-                                     {kForcebound, "forcebound"}};
+const std::vector<Program> kPrograms = [] {
+  std::vector<Program> programs{{kServer, "forcebound-server"},
+                                {kRelay, "forcebound-relay"},
+                                {kClient, "forcebound-client"},
+                                {kLab, "forcebound-lab"},
+                                {kForcebound, "forcebound"}};
+  if (kRos2 != nullptr) programs.push_back({kRos2, "forcebound-ros2"});
+  return programs;
+}();
 
 TEST(EveryProgram, PrintsItsHelp) {
   for (const Program& program : kPrograms) {
@@ -45,8 +49,9 @@ TEST(EveryProgram, TellsOfNoExitCodeThatItNeverEndsWith) {
     const std::string name = program.name;
     const std::string help = unwrapped(run(program.path, {"--help"}).out);
     const auto tells = [&](const char* code) { return help.find(code, help.find("Exit code: ")) != std::string::npos; };
-    EXPECT_EQ(tells("3 NOT PASSIVE"), name == "forcebound-client");
-    EXPECT_EQ(tells("5 never connected"), name == "forcebound-client");
+    const bool runs_device = name == "forcebound-client" || name == "forcebound-ros2";
+    EXPECT_EQ(tells("3 NOT PASSIVE"), runs_device);
+    EXPECT_EQ(tells("5 never connected"), runs_device);
     EXPECT_EQ(tells("6 driver crashed"), name != "forcebound-relay" && name != "forcebound-lab");
   }
 }

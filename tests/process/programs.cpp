@@ -18,6 +18,11 @@ const char* const kServer = FORCEBOUND_SERVER;
 const char* const kClient = FORCEBOUND_CLIENT;
 const char* const kRelay = FORCEBOUND_RELAY;
 const char* const kLab = FORCEBOUND_LAB;
+#ifdef FORCEBOUND_ROS2
+const char* const kRos2 = FORCEBOUND_ROS2;
+#else
+const char* const kRos2 = nullptr;
+#endif
 
 namespace {
 

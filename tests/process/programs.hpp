@@ -19,6 +19,7 @@ extern const char* const kServer;
 extern const char* const kClient;
 extern const char* const kRelay;
 extern const char* const kLab;
+extern const char* const kRos2;  ///< null: not built
 
 /// The exit code of a program whose driver of a device or robot crashed.
 inline constexpr int kDriverCrashed = 6;
