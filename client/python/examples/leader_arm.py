@@ -69,7 +69,8 @@ def target(time_s):
     return angles
 
 
-def run(rate_Hz, bounded, duration_s=12):
+def run(rate_Hz, bounded, duration_s=12, trace=None):
+    """`trace` is appended (time, where the shoulder is)."""
     latency_s, read_s = TIMES_S[rate_Hz]
     # Python may pause for as long as hold_s_max allows, and the promise holds.
     leader = ForceBoundedLeader(period_s=1 / rate_Hz, latency_s_max=latency_s, read_s_max=read_s, hold_s_max=0.1)
@@ -85,6 +86,8 @@ def run(rate_Hz, bounded, duration_s=12):
         up.send(time_s, positions)
         follower.move(up.receive(time_s), time_s - before_s)
         down.send(time_s, follower.torque)
+        if trace is not None:
+            trace.append((time_s, arm.truth["joint"][PRESSED]))
         if time_s > 7:
             truth = arm.truth
             speeds.append(abs(truth["joint_velocity"][PRESSED]))
