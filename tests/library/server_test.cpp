@@ -287,6 +287,9 @@ TEST(LibraryServer, RefusesWhatCannotBeInOneLine) {
   settings.listen = "0.0.0.0:0";
   refused(settings, environment, FB_INVALID, "sessions must be encrypted");
   settings = at_free_port();
+  settings.clients = "/no/such/file";
+  refused(settings, environment, FB_INVALID, "--clients: they are let in by their keys, so it needs --key");
+  settings = at_free_port();
   settings.key = "/no/such/file";
   refused(settings, environment, FB_INVALID, "alone it would let anybody in");
   settings.shared_key = "/no/such/file";

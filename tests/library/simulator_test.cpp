@@ -144,7 +144,10 @@ TEST(LibrarySimulator, RefusesAndCountsReportsThatCannotBe) {
   touch = floor_below();
   touch.friction = -0.1;
   refused(1, &touch, 1, FB_INVALID, "touches[0].friction must be 0 to 10");
-  EXPECT_EQ(state_of(server).reports_refused, 8U);
+  touch = floor_below();
+  touch.spring_N_per_m = 200;
+  refused(1, &touch, 1, FB_INVALID, "touches[0].spring_N_per_m must be 0 where mobility_per_kg is 0");
+  EXPECT_EQ(state_of(server).reports_refused, 9U);
   EXPECT_EQ(state_of(server).reports, 0U);
 }
 

@@ -119,6 +119,7 @@ def test_silence_is_counted(serving):
     ({"mobility_per_kg": np.eye(2)}, ValueError, r"touches\[0\]\.mobility_per_kg: expected shape \(3, 3\), got .*"),
     ({"friction": -0.1}, ValueError, r"touches\[0\]\.friction must be 0 to 10, got -0\.1"),
     ({"friction": "much"}, TypeError, r"touches\[0\]\.friction: expected a number, got <class 'str'>"),
+    ({"spring_N_per_m": 200}, ValueError, r"touches\[0\]\.spring_N_per_m must be 0 where mobility_per_kg is 0"),
     ({"spring_N_per_m": np.inf}, ValueError, r"touches\[0\]\.spring_N_per_m must be 0 to 1e6 N/m, got inf"),
     ({"radius_m": 0}, ValueError, r"touches\[0\]\.radius_m must be above 0 m, got 0"),
     ({"body": -1}, ValueError, r"touches\[0\]\.body must be 0 to 4294967295, got -1"),

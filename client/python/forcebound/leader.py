@@ -45,19 +45,34 @@ __all__ = ["SO101", "SO101_INERTIA_KG_M2", "ForceBoundedLeader", "Servo", "Simul
 
 
 class Servo(NamedTuple):
-    """What is known of a joint and its servo, at the joint: bounds, of which the truth is never worse."""
+    """What is known of a joint and its servo, at the joint: bounds, of which the truth is never worse.
+
+    name                        for what is said of it
+    damping_N_m_s_per_rad       at least, while the servo is on
+    friction_N_m                dry friction, at least
+    encoder_step_rad            2 pi / 4096, say
+    torque_N_m_max              the most that it may be asked for
+    backlash_rad                play between encoder and motor, from stop to stop
+    torque_step_N_m             of two neighbouring commands; 0: any
+    torque_gain_share           its torque is the command times one constant, 1 and up to so much less or more,
+    torque_ripple_share         and off by up to this share, another one at each instant
+    speed_rad_per_s_max         never exceeded: a reading beyond is lost, such as an angle that wraps; 0: not known, and
+                                then none is
+    goal_stiffness_N_m_per_rad  0: it takes torques; else goals, and pulls there as a spring
+    goal_rad_least, goal_rad_most  of goals
+    """
 
     name: str
-    damping_N_m_s_per_rad: float  # at least, while the servo is on
-    friction_N_m: float  # dry friction, at least
+    damping_N_m_s_per_rad: float
+    friction_N_m: float
     encoder_step_rad: float
-    torque_N_m_max: float  # the most that it may be asked for
-    backlash_rad: float = 0  # play between encoder and motor, from stop to stop
-    torque_step_N_m: float = 0  # of two neighbouring commands; 0: any
-    torque_gain_share: float = 0  # its torque is the command times one constant, 1 and up to so much less or more,
-    torque_ripple_share: float = 0  # and off by up to this share, another one at each instant
-    speed_rad_per_s_max: float = 0  # never exceeded: a reading beyond is lost; 0: not known
-    goal_stiffness_N_m_per_rad: float = 0  # 0: it takes torques; else goals
+    torque_N_m_max: float
+    backlash_rad: float = 0
+    torque_step_N_m: float = 0
+    torque_gain_share: float = 0
+    torque_ripple_share: float = 0
+    speed_rad_per_s_max: float = 0
+    goal_stiffness_N_m_per_rad: float = 0
     goal_rad_least: float = -math.inf
     goal_rad_most: float = math.inf
 
@@ -131,6 +146,9 @@ class ForceBoundedLeader:
         if hold_s_max == 0:
             raise ValueError("leader: hold_s_max must be > 0, or None for two periods and the latency, got 0")
         self.servos = tuple(servos)
+        for servo in self.servos:
+            if not isinstance(servo, Servo):
+                raise TypeError(f"servos: expected a Servo for each joint, got {type(servo).__name__}")
         self.latency_s_max = latency_s_max
         self._loop = {
             "period_s": period_s,
@@ -190,7 +208,8 @@ class ForceBoundedLeader:
 
     @property
     def counts(self) -> dict[str, int]:
-        """What was wrong so far: readings_lost, feedback_not_finite and saturated of joints, the others of steps."""
+        """What was wrong so far: readings_lost, feedback_not_finite and saturated (asked for more than torque_N_m_max) of
+        joints, the others of steps."""
         return self._leader.counts
 
     @property
@@ -224,6 +243,8 @@ class SimulatedArm:
             hand = OwnHand(lambda time_s: np.zeros(len(leader.servos)), 0.003, 3, 0.1)
         if not isinstance(hand, OwnHand):
             hand = OwnHand(hand, 0.003, 3, 0.1)
+        if len(inertia_kg_m2) != len(leader.servos):
+            raise ValueError(f"inertia_kg_m2 must have a number for each of {len(leader.servos)} joints, got {len(inertia_kg_m2)}")
         servos = [servo._asdict() for servo in leader.servos]
         self._arm = _native.SimulatedLeader(servos, inertia_kg_m2, hand, seed, **leader._loop)
 

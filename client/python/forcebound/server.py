@@ -31,24 +31,38 @@ __all__ = ["Probe", "Push", "Server", "Touch"]
 
 
 class Push(NamedTuple):
-    """What a probe gave a place that was reported, since it was asked for before: a step of h seconds applies
-    impulse_Ns / h, however long that is ago."""
+    """What a probe gave a place that was reported, since it was asked for before. All pushes of a body add up; a step of h
+    seconds applies impulse_Ns / h, whatever time that was given in.
 
-    body: int  # as it was reported,
-    place_m: NDArray[np.float64]  # likewise
+    body        as it was reported
+    place_m     (3,), likewise
+    impulse_Ns  (3,)
+    """
+
+    body: int
+    place_m: NDArray[np.float64]
     impulse_Ns: NDArray[np.float64]
 
 
 class Probe(NamedTuple):
-    """A client's probe as it was asked for."""
+    """A client's probe as it was asked for.
 
-    client: int  # a number that no other client has, before or after
-    interval_s: float  # since it was asked for before, by motions that came; 0: the first time, or none came
-    place_m: NDArray[np.float64]  # its centre
+    client            a number that no other client has, before or after
+    interval_s        since it was asked for before, by the client's motions; 0: the first time, or none came
+    place_m           (3,), of its centre
+    velocity_m_per_s  (3,)
+    device_m          (3,), where the device is: the coupling pulls the probe there
+    buttons           bit k: button k is pressed
+    pushes            on what the newest report told of and on what the one before did; up to 6, which add up
+    """
+
+    client: int
+    interval_s: float
+    place_m: NDArray[np.float64]
     velocity_m_per_s: NDArray[np.float64]
     device_m: NDArray[np.float64]
-    buttons: int  # bit k: button k is pressed
-    pushes: list[Push]  # by the newest report and by the one before; up to 6
+    buttons: int
+    pushes: list[Push]
 
 
 @dataclass
@@ -63,7 +77,7 @@ class Touch:
     velocity_m_per_s  of the surface there; up to 100 m/s
     mobility_per_kg   W, (3, 3), symmetric: J M^-1 J' there; or a number for all directions; up to 1e4; 0: it stands
     others_N          on it there now, of all but the probe and c: gravity, its own springs; up to 1e5 N
-    spring_N_per_m    k, 0 to 1e6
+    spring_N_per_m    k, 0 to 1e6; 0 where W is
     damper_N_s_per_m  c, 0 to 1e5
     dry_friction_N    of what it slides on, 0 to 1e5
     friction          of the probe along the surface, 0 to 10

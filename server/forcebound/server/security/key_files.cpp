@@ -7,6 +7,8 @@
 namespace forcebound::server {
 
 void expect_bounds(const KeyFiles& files) {
+  if (!files.clients.empty() && files.key.empty())
+    throw std::invalid_argument("--clients: they are let in by their keys, so it needs --key, of this server");
   if (files.key.empty() || !files.clients.empty() || !files.psk.empty()) return;
   throw std::invalid_argument(
       "--key: alone it would let anybody in, since clients know the server's public key; accepted is --key with "
