@@ -173,7 +173,8 @@ TEST(Ros2, FeelsThePublisherThatCameFirstUntilItIsSilent) {
   Peer second(hand.name_space(), {"seconds=8", "publish=constant", "force=-0.5"});
   EXPECT_TRUE(hand.wait_for("a wrench is refused: of another publisher"));
   EXPECT_GE(first.heard()["force_N"], 0) << "the second is not felt beside it";
-  EXPECT_LT(second.heard()["force_N"], 0) << "it is felt once the first is gone";
+  // At some time: on a busy machine the last tick may have come too late for any force.
+  EXPECT_LT(second.heard()["lowest_N"], 0) << "it is felt once the first is gone";
   hand.end();
   EXPECT_GT(hand.wrenches("taken"), 0U);
   EXPECT_EQ(occurrences(hand.err(), "of another publisher"), 1U) << "a line for the first alone";

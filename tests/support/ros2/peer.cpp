@@ -88,6 +88,7 @@ class Heard {
     ++wrenches_;
     force_N_ = wrench.values[0];
     largest_N_ = std::max(largest_N_, std::abs(force_N_));
+    lowest_N_ = std::min(lowest_N_, force_N_);
     // Of a toggle: the first tick at which the new sign was applied.
     if (toggled_ns_ != 0 && force_N_ * toggled_to_N_ > 0) {
       in_us_.push_back(static_cast<double>(wrench.header.stamp_ns() - toggled_ns_) * 1e-3);
@@ -132,6 +133,7 @@ class Heard {
             {"fastest_m_per_s", fastest_m_per_s_},
             {"force_N", force_N_},
             {"largest_N", largest_N_},
+            {"lowest_N", lowest_N_},
             {"out_us", quantiles(out_us_)},
             {"in_us", quantiles(in_us_)}};
   }
@@ -143,7 +145,7 @@ class Heard {
   std::size_t joints_ = 0;
   bool pressed_ = false;
   std::vector<std::string> states_;
-  double way_m_ = 0, fastest_m_per_s_ = 0, force_N_ = 0, largest_N_ = 0, toggled_to_N_ = 0;
+  double way_m_ = 0, fastest_m_per_s_ = 0, force_N_ = 0, largest_N_ = 0, lowest_N_ = 0, toggled_to_N_ = 0;
   std::int64_t toggled_ns_ = 0;
   std::vector<double> out_us_, in_us_;
 };
