@@ -19,7 +19,7 @@ struct KeyFiles {
   [[nodiscard]] bool any() const noexcept { return !key.empty() || !psk.empty(); }
 };
 
-/// @throws std::invalid_argument for a key that would let everybody in, and for a list of clients that nobody would read
+/// @throws std::invalid_argument for a key that would let everybody in, and for a list of clients that is never read
 void expect_bounds(const KeyFiles& files);
 
 /// @throws std::invalid_argument, with what would be accepted, if others than this machine could reach the address in
