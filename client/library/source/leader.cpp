@@ -62,16 +62,9 @@ fb_status create(const fb_leader_joint* joints, std::size_t count, const fb_lead
     if (given.status() != FB_OK) return given.status();
     facts = facts_of(*given);
   }
-  // A program with another header has another distance from joint to joint: the first says which.
-  const auto* const bytes = reinterpret_cast<const char*>(joints);  // NOLINT(*-reinterpret-cast)
-  for (std::size_t i = 0; i < count; ++i) {
-    const Given<fb_leader_joint> given(
-        kFunction, "fb_leader_joint",
-        reinterpret_cast<const fb_leader_joint*>(bytes + i * joints->size),  // NOLINT(*-reinterpret-cast)
-        kJointLeast);
-    if (given.status() != FB_OK) return given.status();
-    facts.joints.push_back(joint_of(*given));
-  }
+  const fb_status status = take_each(kFunction, "fb_leader_joint", joints, count, kJointLeast,
+                                     [&](const fb_leader_joint& joint) { facts.joints.push_back(joint_of(joint)); });
+  if (status != FB_OK) return status;
   *leader = std::make_unique<fb_leader>(fb_leader{control::ForceBoundedLeader(std::move(facts))}).release();
   return FB_OK;
 }

@@ -53,7 +53,7 @@ fb_status expect_simulator(const char* function, const fb_server* server) noexce
   return refused(function, "the server has callbacks: accepted is one of fb_server_of_simulator");
 }
 
-/// What a program met. All of them have the size of the first.
+/// What a program met.
 /// @param met room for as many as there can be
 fb_status read(const char* function, const fb_touch* touches, std::size_t count, server::Touches& met) {
   if (count > 0 && touches == nullptr) return refused(function, "touches is null, and count is not 0");
@@ -61,15 +61,9 @@ fb_status read(const char* function, const fb_touch* touches, std::size_t count,
     return refused(function, "count is " + std::to_string(count) + ", accepted are up to " +
                                  std::to_string(FB_TOUCHES_MAX) + " touches of a probe");
   }
-  const auto* at = reinterpret_cast<const std::byte*>(touches);  // NOLINT(*-reinterpret-cast)
-  for (std::size_t i = 0; i < count; ++i, at += touches->size) {
-    const Given<fb_touch> given(function, "fb_touch",
-                                reinterpret_cast<const fb_touch*>(at),  // NOLINT(*-reinterpret-cast)
-                                kTouchLeast);
-    if (given.status() != FB_OK) return given.status();
-    met.at(i) = touch_of(*given);
-  }
-  return FB_OK;
+  std::size_t taken = 0;
+  return take_each(function, "fb_touch", touches, count, kTouchLeast,
+                   [&](const fb_touch& touch) { met.at(taken++) = touch_of(touch); });
 }
 
 fb_status report(fb_server& server, const char* function, std::uint64_t client, const fb_touch* touches,

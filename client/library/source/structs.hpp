@@ -111,6 +111,21 @@ class Given {
   Struct copy_;  // set where it is used: a tick has no time for zeros
 };
 
+/// Gives `take` each struct of an array that a program gave. Its header may be another one: the distance from one to
+/// the next is the size of the first. @returns FB_OK, or what the function is to return for one that is no such struct
+template <class Struct, class Take>
+[[nodiscard]] fb_status take_each(const char* function, const char* name, const Struct* first, std::size_t count,
+                                  std::size_t least, const Take& take) {
+  const auto* at = reinterpret_cast<const std::byte*>(first);  // NOLINT(*-reinterpret-cast)
+  for (std::size_t i = 0; i < count; ++i, at += first->size) {
+    const Given<Struct> given(function, name, reinterpret_cast<const Struct*>(at),  // NOLINT(*-reinterpret-cast)
+                              least);
+    if (given.status() != FB_OK) return given.status();
+    take(*given);
+  }
+  return FB_OK;
+}
+
 /// FB_OK, or what the function is to return for a struct of the program that is no such struct.
 template <class Struct>
 [[nodiscard]] fb_status expect_size(const char* function, const char* name, const Struct& given,
