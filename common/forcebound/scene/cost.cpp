@@ -1,5 +1,7 @@
 #include "forcebound/scene/cost.hpp"
 
+#include "forcebound/scene/tool/tool.hpp"
+
 namespace forcebound::scene {
 
 double predicted_cost_ns(const SceneObject& part) {
@@ -12,9 +14,10 @@ double predicted_cost_ns(const DynamicModelFacts& facts) { return facts.cost_ns 
 
 double predicted_cost_ns(const Scene& scene) {
   double cost_ns = kMotion_ns;
-  for (const auto* parts : {&scene.objects(), &scene.fields()}) {
-    for (const SceneObject& part : *parts) cost_ns += predicted_cost_ns(part);
-  }
+  const auto& tool = scene.facts().tool;
+  const double points = tool ? static_cast<double>(tool->points().size()) : 1;
+  for (const SceneObject& object : scene.objects()) cost_ns += points * predicted_cost_ns(object);
+  for (const SceneObject& field : scene.fields()) cost_ns += predicted_cost_ns(field);
   for (const SceneDynamicModel& dynamic_model : scene.dynamic_models())
     cost_ns += predicted_cost_ns(dynamic_model.dynamic_model->facts());
   return cost_ns;

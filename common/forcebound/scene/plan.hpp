@@ -23,6 +23,7 @@ struct RequestedEffect {
 struct SceneObject {
   std::string name;
   std::string shape_kind{};
+  double tool_radius_m = 0;       ///< the largest of a tool's points, which touch from so far outside
   config::Values shape_values{};  ///< as they were given, without presets
   std::string shape_text{};       ///< "sphere, center_m [0, 0, 0], radius_m 0.02"
   std::unique_ptr<Shape> shape{};

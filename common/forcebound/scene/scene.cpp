@@ -18,6 +18,12 @@ Scene::Scene(SceneFacts facts, SceneParts parts, AutoAccuracy accuracy)
   for (const auto* const objects : {&parts_.objects, &parts_.fields}) {
     for (const SceneObject& part : *objects) renderings_.push_back(rendering_of(part, kKnown));
   }
+  // Of a tool that touches several parts the torques come together, not those of the parts that are handed over apart.
+  if (facts_.tool && least_rendering() != Rendering::at_client) {
+    for (PartRendering& part : renderings_) {
+      if (part.how == Rendering::at_client) part = {Rendering::held, "the tool touches a part that is held"};
+    }
+  }
   for (const SceneDynamicModel& dynamic_model : parts_.dynamic_models) {
     inputs_ = inputs_.with(dynamic_model.dynamic_model->facts().inputs);
     // What clients share, or is more than one gives, stays with the server.

@@ -14,17 +14,20 @@
 
 namespace forcebound::scene {
 
+class Tool;
+
 /// The [scene] table of a scene file.
 struct SceneFacts {
   std::string name;
   std::string description;
-  int degrees_of_freedom = 3;      ///< 1 to 3, or kAnyDegreesOfFreedom
-  bool shared = false;             ///< all clients feel the same bodies and tissue
-  bool accuracy_auto = false;      ///< has levels of accuracy, see Scene::accuracy
-  int clients_max = 1;             ///< of a shared scene, at once; else any number
-  control::Vector tool_m{};        ///< in the hand, from the grip to its tip in the handle's axes; no rows: none
-  std::uint64_t hash = 0;          ///< FNV-1a of the file's text: equal hash, equal scene
-  std::string suggested_device{};  ///< as the author wrote them; empty: see suggested_hand.hpp
+  int degrees_of_freedom = 3;          ///< 1 to 3, or kAnyDegreesOfFreedom
+  bool shared = false;                 ///< all clients feel the same bodies and tissue
+  bool accuracy_auto = false;          ///< has levels of accuracy, see Scene::accuracy
+  int clients_max = 1;                 ///< of a shared scene, at once; else any number
+  control::Vector tool_m{};            ///< in the hand, from the grip to its tip in the handle's axes; no rows: none
+  std::shared_ptr<const Tool> tool{};  ///< its shape, about the tip; null: it touches with that point
+  std::uint64_t hash = 0;              ///< FNV-1a of the file's text: equal hash, equal scene
+  std::string suggested_device{};      ///< as the author wrote them; empty: see suggested_hand.hpp
   std::string suggested_hand{};
   std::vector<std::string> effects_not_requested{};
 

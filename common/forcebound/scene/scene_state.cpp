@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "forcebound/control/rotation.hpp"
+
 namespace forcebound::scene {
 namespace {
 
@@ -13,6 +15,25 @@ bool have_states_of_the_same_effects(const PlanStep& a, const PlanStep& b) noexc
          a.end_state - a.near_state == b.end_state - b.near_state;
 }
 
+std::size_t points_of(const Scene& scene) noexcept {
+  return scene.facts().tool ? scene.facts().tool->points().size() : 1;
+}
+
+/// Of one point.
+void copy_states(std::span<const PlanStep> before, const std::byte* from, std::span<const PlanStep> steps,
+                 std::byte* to) noexcept {
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const PlanStep& old = before[i];
+    const PlanStep& step = steps[i];
+    if (old.near_state - old.shape_state == step.near_state - step.shape_state) {
+      std::copy(from + old.shape_state, from + old.near_state, to + step.shape_state);
+    } else {
+      std::fill(to + step.shape_state, to + step.near_state, std::byte{0});
+    }
+    std::copy(from + old.near_state, from + old.end_state, to + step.near_state);
+  }
+}
+
 }  // namespace
 
 SceneState::SceneState(std::shared_ptr<const Scene> scene, std::uint32_t degrees_of_freedom,
@@ -20,9 +41,10 @@ SceneState::SceneState(std::shared_ptr<const Scene> scene, std::uint32_t degrees
     : scene_(std::move(scene)),
       rows_(degrees_of_freedom),
       translations_(std::min<Eigen::Index>(rows_, 3)),
-      bytes_(scene_->plan().state_bytes()),
+      bytes_(scene_->plan().state_bytes() * points_of(*scene_)),
       steps_(scene_->plan().steps().size()),
       shares_dynamic_models_(shares_dynamic_models) {
+  if (scene_->facts().tool) tool_.emplace(scene_->facts().tool, scene_->plan());
   std::iota(steps_.begin(), steps_.end(), 0U);
   couplings_.reserve(dynamic_models.size());
   for (const auto& dynamic_model : dynamic_models) couplings_.emplace_back(dynamic_model);
@@ -51,30 +73,43 @@ SceneState SceneState::of_part(std::shared_ptr<const Scene> scene, std::uint32_t
 
 Answer SceneState::answer(const Vector& position, Nanoseconds device_time, Nanoseconds server_time, bool wants_model,
                           const Handle& handle) noexcept {
-  const Plan& plan = scene_->plan();
   Probe probe;
   probe.position_m = place(position);
   probe.handle = handle;
   if (scene_->inputs().velocity || scene_->inputs().time) look_at_time(probe, device_time);
+  if (tool_ && handle.orientation)
+    tool_->move(
+        {.tip_m = probe.position_m, .rotation = control::quaternion_of(*handle.orientation).toRotationMatrix()});
 
-  Point total_N = Point::Zero();
-  Point server_parts_N = Point::Zero();
-  Point fading_N = Point::Zero();
   Answer answer;
   answer.model.by_device_clock = wants_model && !shares_dynamic_models_;
   quarantined_.clear();
+  contacts_ = 0;
+  Totals totals;
+  feel_steps(probe, totals, answer);
+  FeltAt felt_at{.moment = shares_dynamic_models_ ? server_time : device_time};
+  // A client that is told no local model has the force as soon as it can be.
+  if (shares_dynamic_models_ && wants_model) felt_at.reading = device_time;
+  feel_dynamic_models(probe, felt_at, device_time, wants_model, totals, answer);
+  answer.force = in_device_rows(totals.force_N);
+  if (tool_) answer.torque_N_m = totals.torque_N_m;
+  const Vector server_parts = in_device_rows(totals.server_parts_N);
+  if (!server_parts.isZero(0)) answer.server_parts_N = server_parts;
+  if (scene_->plan().fades_without_server()) answer.fading_N = in_device_rows(totals.fading_N);
+  return answer;
+}
+
+void SceneState::feel_steps(Probe probe, Totals& totals, Answer& answer) noexcept {
   for (std::size_t i = 0; i < steps_.size(); ++i) {
-    const PlanStep& step = plan.steps()[steps_[i]];
-    Reaction reaction;
-    const SurfacePoint surface = find_surface(step, probe.position_m);
-    probe.normal = surface.normal;
-    probe.penetration_m = surface.penetration_m;
-    act(step, probe, reaction);
+    const ToolFelt felt = feel_step(steps_[i], probe);
+    const Reaction& reaction = felt.reaction;
     const double deepest_m = answer.penetration_m;
-    if (add(reaction, surface, total_N, answer)) {
+    if (felt.torque_N_m.allFinite() && add(reaction, felt.deepest, totals.force_N, answer)) {
       const bool in_server_parts = scene_->rendering_of_part(steps_[i]).how != Rendering::at_client;
-      if (in_server_parts) server_parts_N += reaction.force_N;
-      fading_N += reaction.fading_N;
+      if (in_server_parts) totals.server_parts_N += reaction.force_N;
+      totals.fading_N += reaction.fading_N;
+      totals.torque_N_m += felt.torque_N_m;
+      contacts_ += felt.contacts;
       if (answer.penetration_m > deepest_m)
         answer.texture_in_server_parts = in_server_parts && reaction.texture.amplitude_N > 0;
       continue;
@@ -82,17 +117,32 @@ Answer SceneState::answer(const Vector& position, Nanoseconds device_time, Nanos
     quarantine(scene_->name_of_step(steps_[i]));
     steps_.erase(steps_.begin() + static_cast<std::ptrdiff_t>(i--));
   }
+}
+
+ToolFelt SceneState::feel_step(std::uint32_t number, Probe& probe) noexcept {
+  const Plan& plan = scene_->plan();
+  const PlanStep& step = plan.steps()[number];
+  if (tool_ && step.shape != nullptr)
+    return probe.handle.orientation ? tool_->feel(plan, number, probe, bytes_) : ToolFelt{};
+  const PlanRun at_tip(plan, bytes_.data());
+  ToolFelt felt{.deepest = at_tip.find_surface(step, probe.position_m)};
+  probe.normal = felt.deepest.normal;
+  probe.penetration_m = felt.deepest.penetration_m;
+  at_tip.act(step, probe, felt.reaction);
+  felt.contacts = felt.deepest.penetration_m > 0 ? 1 : 0;
+  return felt;
+}
+
+void SceneState::feel_dynamic_models(const Probe& probe, const FeltAt& felt_at, Nanoseconds device_time,
+                                     bool wants_model, Totals& totals, Answer& answer) noexcept {
   for (std::size_t i = 0; i < dynamic_models_.size(); ++i) {
     DynamicModelCoupling& coupling = couplings_[dynamic_models_[i]];
-    FeltAt felt_at{.moment = shares_dynamic_models_ ? server_time : device_time};
-    // A client that is told no local model has the force as soon as it can be.
-    if (shares_dynamic_models_ && wants_model) felt_at.reading = device_time;
     const ModelTouch touch = coupling.feel(probe, felt_at, faults_.dynamic_models);
     const SurfacePoint surface{.normal = touch.normal, .penetration_m = touch.penetration_m};
-    if (coupling.sound() && add({.force_N = touch.force_N}, surface, total_N, answer)) {
-      const std::size_t part = plan.steps().size() + dynamic_models_[i];
+    if (coupling.sound() && add({.force_N = touch.force_N}, surface, totals.force_N, answer)) {
+      const std::size_t part = scene_->plan().steps().size() + dynamic_models_[i];
       if (scene_->rendering_of_part(part).how == Rendering::at_client) continue;
-      server_parts_N += touch.force_N;
+      totals.server_parts_N += touch.force_N;
       if (wants_model) {
         describe(coupling, dynamic_models_[i], answer.model);
         if (const auto before = coupling.played_before(device_time)) {
@@ -105,11 +155,6 @@ Answer SceneState::answer(const Vector& position, Nanoseconds device_time, Nanos
     quarantine(coupling.name());
     dynamic_models_.erase(dynamic_models_.begin() + static_cast<std::ptrdiff_t>(i--));
   }
-  answer.force = in_device_rows(total_N);
-  const Vector server_parts = in_device_rows(server_parts_N);
-  if (!server_parts.isZero(0)) answer.server_parts_N = server_parts;
-  if (plan.fades_without_server()) answer.fading_N = in_device_rows(fading_N);
-  return answer;
 }
 
 /// What has no room in the answer is held.
@@ -139,6 +184,8 @@ void SceneState::begin_again(const Vector& outside_m, Nanoseconds first_time) no
   has_last_ = false;
   has_first_ = true;
   first_time_ = first_time;
+  // Where the points of a tool were then is not known: they begin where they are next.
+  if (tool_) return tool_->begin_again();
   const Point free_m = place(outside_m);
   for (const PlanStep& step : scene_->plan().steps()) {
     if (step.shape != nullptr) step.shape->begin_outside(free_m, bytes_.data() + step.shape_state);
@@ -150,18 +197,11 @@ bool SceneState::go_on_from(const SceneState& other) noexcept {
   const std::span<const PlanStep> before = other.scene_->plan().steps();
   const bool same = other.rows_ == rows_ && other.couplings_.empty() && couplings_.empty() &&
                     std::ranges::equal(steps, before, have_states_of_the_same_effects);
-  if (!same) return false;
-  for (std::size_t i = 0; i < steps.size(); ++i) {
-    const auto from = other.bytes_.begin() + before[i].shape_state;
-    const auto from_effects = other.bytes_.begin() + before[i].near_state;
-    const auto to = bytes_.begin() + steps[i].shape_state;
-    const auto to_effects = bytes_.begin() + steps[i].near_state;
-    if (from_effects - from == to_effects - to) {
-      std::copy(from, from_effects, to);
-    } else {
-      std::fill(to, to_effects, std::byte{0});
-    }
-    std::copy(from_effects, other.bytes_.begin() + before[i].end_state, to_effects);
+  if (!same || tool_.has_value() != other.tool_.has_value()) return false;
+  if (tool_ && !tool_->go_on_from(*other.tool_)) return false;
+  for (std::size_t point = 0; point < points_of(*scene_); ++point) {
+    const std::byte* const from = other.bytes_.data() + point * other.scene_->plan().state_bytes();
+    copy_states(before, from, steps, bytes_.data() + point * scene_->plan().state_bytes());
   }
   // No larger than what was here at first, so nothing is allocated.
   steps_ = other.steps_;
@@ -215,39 +255,6 @@ Vector SceneState::in_device_rows(const Point& point) const noexcept {
   Vector vector = Vector::Zero(rows_);
   vector.head(translations_) = point.head(translations_);
   return vector;
-}
-
-SurfacePoint SceneState::find_surface(const PlanStep& step, const Point& position_m) noexcept {
-  if (step.shape == nullptr) return {};
-  return step.shape->nearest(position_m, bytes_.data() + step.shape_state);
-}
-
-void SceneState::act(const PlanStep& step, Probe& probe, Reaction& reaction) noexcept {
-  if (step.shape != nullptr && !(probe.penetration_m > -step.reach_m)) {
-    forget(step.near_state, step.end_state);
-    return;
-  }
-  run(step.begin, step.near_end, probe, reaction);
-  if (!(probe.penetration_m > 0)) {
-    forget(step.touching_state, step.end_state);
-    return;
-  }
-  run(step.near_end, step.touching_end, probe, reaction);
-  probe.pressure_N = std::max(0.0, reaction.force_N.dot(probe.normal));
-  run(step.touching_end, step.end, probe, reaction);
-}
-
-void SceneState::run(std::uint32_t begin, std::uint32_t end, const Probe& probe, Reaction& reaction) noexcept {
-  for (std::uint32_t i = begin; i < end; ++i) {
-    const PlannedEffect& planned = scene_->plan().effects()[i];
-    const Point others_N = reaction.force_N;
-    planned.effect->act(probe, bytes_.data() + planned.state, reaction);
-    if (planned.fades_without_server) reaction.fading_N += reaction.force_N - others_N;
-  }
-}
-
-void SceneState::forget(std::uint32_t begin, std::uint32_t end) noexcept {
-  std::fill(bytes_.begin() + begin, bytes_.begin() + end, std::byte{0});
 }
 
 void SceneState::look_at_time(Probe& probe, Nanoseconds device_time) noexcept {

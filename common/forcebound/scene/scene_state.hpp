@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "forcebound/answer/answer.hpp"
 #include "forcebound/control/vector.hpp"
 #include "forcebound/scene/dynamic_model_coupling.hpp"
+#include "forcebound/scene/tool/tool_touch.hpp"
 
 namespace forcebound::scene {
 
@@ -24,6 +26,10 @@ struct SceneFaults {
 };
 
 /// One client's state of a scene.
+///
+/// A scene's tool touches objects with all of its points, and what they feel is a force at its tip and a torque about
+/// that (ToolTouch); fields act at the tip. Of a handle that does not tell its orientation nobody knows where the
+/// points are: it touches nothing.
 ///
 /// An object, field or dynamic model whose force is not finite is left out from then on, for this client; the others
 /// keep their states.
@@ -44,13 +50,16 @@ class SceneState {
   static SceneState of_part(std::shared_ptr<const Scene> scene, std::uint32_t degrees_of_freedom, std::size_t part);
 
   /// The answer to a device that was at `position` (finite, one row per degree of freedom) at `device_time` on its own
-  /// clock. It is finite; rotations are zero. The velocity is the mean since the previous call; it is zero where time
-  /// has not advanced.
+  /// clock. It is finite; rotations are zero, and the torque of a tool is apart. The velocity is the mean since the
+  /// previous call; it is zero where time has not advanced.
   /// @param server_time time of the answer; used only by shared dynamic models
   /// @param wants_model whether the answer has the local models of the dynamic models' part of `server_parts_N`
   /// @param handle of the device at `device_time`
   [[nodiscard]] Answer answer(const Vector& position, Nanoseconds device_time, Nanoseconds server_time = Nanoseconds{0},
                               bool wants_model = false, const Handle& handle = {}) noexcept;
+
+  /// Points of the tool that the last answer found in contact, counted for each object; 1 or 0 of an ordinary point.
+  [[nodiscard]] std::size_t contacts() const noexcept { return contacts_; }
 
   /// Names of the parts that the last answer left out, as do those after it; of most none. Valid until the next one.
   [[nodiscard]] std::span<const std::string* const> quarantined() const noexcept { return quarantined_; }
@@ -77,6 +86,17 @@ class SceneState {
   SceneState(std::shared_ptr<const Scene> scene, std::uint32_t degrees_of_freedom,
              const DynamicModelsNow& dynamic_models, bool shares_dynamic_models);
 
+  struct Totals {
+    Point force_N = Point::Zero();
+    Point torque_N_m = Point::Zero();
+    Point server_parts_N = Point::Zero();
+    Point fading_N = Point::Zero();
+  };
+
+  void feel_steps(Probe probe, Totals& totals, Answer& answer) noexcept;
+  void feel_dynamic_models(const Probe& probe, const FeltAt& felt_at, Nanoseconds device_time, bool wants_model,
+                           Totals& totals, Answer& answer) noexcept;
+  [[nodiscard]] ToolFelt feel_step(std::uint32_t number, Probe& probe) noexcept;
   /// Adds one part's force to the answer; false if it is not finite.
   [[nodiscard]] bool add(const Reaction& reaction, const SurfacePoint& surface, Point& total_N,
                          Answer& answer) noexcept;
@@ -86,20 +106,18 @@ class SceneState {
   [[nodiscard]] Vector in_device_rows(const Point& point) const noexcept;
   void quarantine(const std::string& name) noexcept;
   void look_at_time(Probe& probe, Nanoseconds device_time) noexcept;
-  [[nodiscard]] SurfacePoint find_surface(const PlanStep& step, const Point& position_m) noexcept;
-  void act(const PlanStep& step, Probe& probe, Reaction& reaction) noexcept;
-  void run(std::uint32_t begin, std::uint32_t end, const Probe& probe, Reaction& reaction) noexcept;
-  void forget(std::uint32_t begin, std::uint32_t end) noexcept;
 
   std::shared_ptr<const Scene> scene_;
   Eigen::Index rows_;                            ///< of the device
   Eigen::Index translations_;                    ///< rows that are translations
-  std::vector<std::byte> bytes_;                 ///< the states of all effects and shapes
+  std::vector<std::byte> bytes_;                 ///< the states of all effects and shapes, of each point of the tool
+  std::optional<ToolTouch> tool_;                ///< of the scene
   std::vector<std::uint32_t> steps_;             ///< of the plan, less those quarantined
   std::vector<DynamicModelCoupling> couplings_;  ///< in all dynamic models
   std::vector<std::uint32_t> dynamic_models_;    ///< of the couplings, less those quarantined
   std::vector<const std::string*> quarantined_;  ///< on this motion; room for all
   bool shares_dynamic_models_;
+  std::size_t contacts_ = 0;
   Point last_position_m_ = Point::Zero();
   bool has_first_ = false;
   Nanoseconds first_time_{0};

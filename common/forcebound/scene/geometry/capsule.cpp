@@ -22,6 +22,10 @@ class Capsule final : public Shape {
     return last.along(out, distance_m, least_m, radius_m_ - distance_m);
   }
 
+  bool is_clear_of(const Point& center_m, double radius_m) const noexcept override {
+    return is_clear_by_nearest(*this, center_m, radius_m);
+  }
+
   ShapeFacts facts() const override {
     const Point half_m = segment_.half_m() * segment_.axis().cwiseAbs() + Point::Constant(radius_m_);
     return {.state_bytes = sizeof(LastNormal),

@@ -32,6 +32,10 @@ class Cylinder final : public Shape {
     return {radial, -beyond_side_m, on_axis};
   }
 
+  bool is_clear_of(const Point& center_m, double radius_m) const noexcept override {
+    return is_clear_by_nearest(*this, center_m, radius_m);
+  }
+
   ShapeFacts facts() const override {
     const Point across = (1 - segment_.axis().array().square()).max(0).sqrt();
     const Point half_m = segment_.half_m() * segment_.axis().cwiseAbs() + radius_m_ * across;

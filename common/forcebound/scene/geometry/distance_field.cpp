@@ -89,6 +89,12 @@ class DistanceField final : public Shape {
     return LastNormal::in(state).along(gradient, gradient.norm(), kGradientLeast, -phi_m);
   }
 
+  /// Cubic convolution is off by less than a step of the grid.
+  bool is_clear_of(const Point& center_m, double radius_m) const noexcept override {
+    return bounds_m_.exteriorDistance(center_m) > radius_m ||
+           is_clear_by_nearest(*this, center_m, radius_m + spacing_m_);
+  }
+
   ShapeFacts facts() const override {
     return {.state_bytes = sizeof(LastNormal),
             .memory_bytes = sizeof *this + phi_m_.size() * sizeof(double) + mesh_->memory_bytes(),

@@ -38,6 +38,15 @@ class MeshShape final : public Shape {
     return {.normal = (local_m - found->point_m) / found->distance_m, .penetration_m = -found->distance_m};
   }
 
+  bool is_clear_of(const Point& center_m, double radius_m) const noexcept override {
+    const Point local_m = center_m - mesh().origin_m();
+    // Of a part of a mesh that lies beside it may be missing.
+    if (mesh().triangles().size() < mesh().report().triangles) return false;
+    if (mesh().box_m().exteriorDistance(local_m) > radius_m) return !(mesh().report().volume_m3 < 0);
+    const auto found = object_.bvh().nearest(local_m);
+    return found && found->distance_m > radius_m && !(sides_ && sides_->is_inside(local_m, *found));
+  }
+
   ShapeFacts facts() const override {
     // The cost of searches grows with the depth of the tree.
     constexpr double kPerLevel_ns = 45;

@@ -18,6 +18,10 @@ class HalfSpace final : public Shape {
     return {.normal = normal_, .penetration_m = (through_m_ - position_m).dot(normal_)};
   }
 
+  bool is_clear_of(const Point& center_m, double radius_m) const noexcept override {
+    return is_clear_by_nearest(*this, center_m, radius_m);
+  }
+
   ShapeFacts facts() const override { return {.memory_bytes = sizeof *this, .cost_ns = 3, .on_surface_m = through_m_}; }
 
  private:
@@ -36,6 +40,10 @@ class Ball final : public Shape {
     const double distance_m = out.stableNorm();
     const double penetration_m = kHollow ? distance_m - radius_m_ : radius_m_ - distance_m;
     return LastNormal::in(state).along(out, distance_m, kRounding * radius_m_, penetration_m);
+  }
+
+  bool is_clear_of(const Point& center_m, double radius_m) const noexcept override {
+    return is_clear_by_nearest(*this, center_m, radius_m);
   }
 
   ShapeFacts facts() const override {
@@ -72,6 +80,10 @@ class Box final : public Shape {
     return found;
   }
 
+  bool is_clear_of(const Point& center_m, double radius_m) const noexcept override {
+    return is_clear_by_nearest(*this, center_m, radius_m);
+  }
+
   ShapeFacts facts() const override {
     return {.memory_bytes = sizeof *this,
             .cost_ns = 10,
@@ -96,6 +108,11 @@ ShapeKind ball_shape(std::string_view name, std::string_view description,
 }
 
 }  // namespace
+
+bool is_clear_by_nearest(const Shape& shape, const Point& center_m, double radius_m) noexcept {
+  LastNormal fresh{};
+  return -shape.nearest(center_m, reinterpret_cast<std::byte*>(&fresh)).penetration_m > radius_m;
+}
 
 std::unique_ptr<Shape> make_half_space(const Point& through_m, const Point& normal) {
   return std::make_unique<HalfSpace>(through_m, normal);

@@ -60,6 +60,14 @@ class Shape {
 
   [[nodiscard]] virtual SurfacePoint nearest(const Point& position_m, std::byte* state) const noexcept = 0;
 
+  /// Whether a ball has no point in the solid, as far as that can be told without its state; false: it may have. Of a
+  /// solid that `nearest` takes for a surface, as an open mesh, the surface counts. Real time, as `nearest`.
+  [[nodiscard]] virtual bool is_clear_of(const Point& center_m, double radius_m) const noexcept {
+    (void)center_m;
+    (void)radius_m;
+    return false;
+  }
+
   [[nodiscard]] virtual ShapeFacts facts() const { return {}; }
 
   /// What it is made of, of its kind's `geometry`. Allocates.
@@ -73,6 +81,9 @@ class Shape {
     (void)state;
   }
 };
+
+/// Shape::is_clear_of where `nearest` gives the distance outside of the solid, and a fresh state is a LastNormal's.
+[[nodiscard]] bool is_clear_by_nearest(const Shape& shape, const Point& center_m, double radius_m) noexcept;
 
 /// Inputs for making a shape, beside its values.
 struct ShapePurpose {

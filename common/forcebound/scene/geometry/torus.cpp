@@ -30,6 +30,10 @@ class Torus final : public Shape {
     return last.along(out, distance_m, least_m, minor_m_ - distance_m);
   }
 
+  bool is_clear_of(const Point& center_m, double radius_m) const noexcept override {
+    return is_clear_by_nearest(*this, center_m, radius_m);
+  }
+
   ShapeFacts facts() const override {
     const Point across = (1 - axis_.array().square()).max(0).sqrt();
     return {.state_bytes = sizeof(LastNormal),

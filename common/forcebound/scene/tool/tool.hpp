@@ -1,0 +1,60 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "forcebound/scene/geometry/shape.hpp"
+#include "forcebound/scene/tool/tool_points.hpp"
+
+namespace forcebound::scene {
+
+/// Where a tool is: of its tip [m], and what turns the handle's axes into the scene's.
+struct ToolPose {
+  Point tip_m = Point::Zero();
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+
+  [[nodiscard]] Point operator*(const Point& in_handle_m) const noexcept { return tip_m + rotation * in_handle_m; }
+};
+
+/// A rigid tool with a shape: the points with which it touches, in a tree of balls about them. Immutable.
+class Tool {
+ public:
+  /// @throws std::invalid_argument for no points, more than kToolPointsMost, and one that is not finite, of a radius
+  /// below zero or further from the tip than kToolReachMost_m
+  explicit Tool(std::vector<ToolPoint> points);
+
+  /// In the order of the tree: those near to each other follow each other.
+  [[nodiscard]] std::span<const ToolPoint> points() const noexcept { return points_; }
+
+  /// No point's ball reaches further from the tip [m].
+  [[nodiscard]] double reach_m() const noexcept { return reach_m_; }
+  [[nodiscard]] double radius_m_max() const noexcept { return radius_m_max_; }
+
+  /// Appends to `near` the numbers of all points that may be nearer to the solid than `margin_m`, in ascending order.
+  /// @param near has room for all points
+  ///
+  /// Real time: noexcept, no allocation; asks the shape once for each ball of the tree that is not surely clear of it,
+  /// and for the next beside that.
+  void find_near(const Shape& shape, const ToolPose& pose, double margin_m,
+                 std::vector<std::uint32_t>& near) const noexcept;
+
+ private:
+  struct Node {
+    Point center_m;
+    double radius_m;
+    std::uint32_t first;  // of the points
+    std::uint32_t end;
+    std::uint32_t after;  // the next node that is not below this one; the first below follows it
+  };
+
+  void build(std::size_t first, std::size_t end);
+
+  std::vector<ToolPoint> points_;
+  std::vector<Node> nodes_;
+  double reach_m_ = 0;
+  double radius_m_max_ = 0;
+};
+
+}  // namespace forcebound::scene

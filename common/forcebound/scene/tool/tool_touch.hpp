@@ -1,0 +1,76 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "forcebound/scene/plan_run.hpp"
+#include "forcebound/scene/tool/tool.hpp"
+
+namespace forcebound::scene {
+
+/// What an object does to a tool.
+struct ToolFelt {
+  Reaction reaction{};               ///< the sum over its points
+  Point torque_N_m = Point::Zero();  ///< about its tip, scene's axes
+  SurfacePoint deepest{.penetration_m = 0};
+  std::size_t contacts = 0;
+};
+
+/// The tool of one client, which touches objects with all of its points:
+///
+///     F = sum of f_i,   torque = sum of (R p_i) x f_i,   f_i the effects at x_tip + R p_i, deeper by the point's
+///     radius
+///
+/// so that the power is that of the points, sum f_i . v_i = F . v_tip + torque . w. The force of a point with a radius
+/// acts at its middle: a ball rolls without feeling it. Every point has states of its own and is as stiff as an
+/// ordinary point: more of them that touch are stiffer [penalty by points: McNeely et al., "Six Degree-of-Freedom
+/// Haptic Rendering Using Voxel Sampling", SIGGRAPH 1999].
+///
+/// An object is asked about those points alone that the tree of the tool does not show to be clear of it, by as much as
+/// the tool moved: so no point passes through a thin wall unseen. A point that comes near begins outside, where it was
+/// before; one that leaves forgets what it felt. Those that touched are asked again in any case.
+///
+/// Real time: noexcept, no allocation; O(points near the object) and Tool::find_near.
+class ToolTouch {
+ public:
+  ToolTouch(std::shared_ptr<const Tool> tool, const Plan& plan);
+
+  [[nodiscard]] const Tool& tool() const noexcept { return *tool_; }
+
+  /// All points are where they are now; what was felt before is the place before.
+  void move(const ToolPose& pose) noexcept;
+
+  /// As if the tool had never touched anything. Its points' states are the caller's to forget.
+  void begin_again() noexcept;
+
+  /// Goes on as another one did, of a tool and plan with as many points and steps; else false, and nothing is done.
+  [[nodiscard]] bool go_on_from(const ToolTouch& other) noexcept;
+
+  /// @param number of the plan's step, an object @param at_tip its time and handle; its place is not used
+  /// @param states of all points after each other, Plan::state_bytes each
+  [[nodiscard]] ToolFelt feel(const Plan& plan, std::size_t number, const Probe& at_tip,
+                              std::span<std::byte> states) noexcept;
+
+ private:
+  struct Visited {
+    std::vector<std::uint32_t> points;    // ascending, with room for all
+    std::vector<std::uint32_t> touching;  // of them
+  };
+
+  void find_near(const PlanStep& step, const Visited& before) noexcept;
+  void add(const PlanStep& step, std::uint32_t number, const PlanRun& run, Probe probe, ToolFelt& felt) const noexcept;
+
+  std::shared_ptr<const Tool> tool_;
+  std::vector<Visited> visited_;     // of each step
+  std::vector<std::uint32_t> tree_;  // room for all
+  std::vector<std::uint32_t> near_;  // likewise
+  ToolPose pose_{};
+  ToolPose before_{};
+  bool placed_ = false;
+  bool moved_ = false;  // there is a place before
+};
+
+}  // namespace forcebound::scene
