@@ -13,6 +13,7 @@
 #include "forcebound/scene/geometry/bvh.hpp"
 #include "forcebound/scene/geometry/height_field.hpp"
 #include "forcebound/scene/part_at_client.hpp"
+#include "forcebound/scene/tool/tool.hpp"
 
 namespace forcebound::handover {
 namespace {
@@ -25,6 +26,12 @@ struct Cut {
   Box where_m;
   bool comes_first = false;
 };
+
+void fill_tool(const scene::Tool& from, v1::SceneTool* to) {
+  for (const scene::ToolPoint& point : from.points()) {
+    for (const double number : {point.at_m.x(), point.at_m.y(), point.at_m.z(), point.radius_m}) to->add_point(number);
+  }
+}
 
 void append_hash(const Cut& cut, v1::Geometry& geometry) {
   const Hash hash = hash_of(std::as_bytes(std::span(cut.bytes)));
@@ -236,6 +243,7 @@ class ManifestWriter {
   explicit ManifestWriter(const scene::Scene& scene) {
     manifest_.set_name(scene.facts().name);
     manifest_.set_degrees_of_freedom(scene.facts().degrees_of_freedom);
+    if (scene.facts().tool) fill_tool(*scene.facts().tool, manifest_.mutable_tool());
     std::size_t part = 0;
     for (const scene::SceneObject& object : scene.objects()) {
       if (scene.rendering_of_part(part++).how == scene::Rendering::at_client) add(object, manifest_.add_objects());

@@ -14,6 +14,7 @@
 #include "forcebound/scene/geometry/bvh.hpp"
 #include "forcebound/scene/geometry/height_field.hpp"
 #include "forcebound/scene/part.hpp"
+#include "forcebound/scene/tool/tool.hpp"
 #include "forcebound/tissue/tissue_shape.hpp"
 
 namespace forcebound::handover {
@@ -39,6 +40,9 @@ class SharedShape final : public scene::Shape {
   scene::SurfacePoint nearest(const Point& position_m, std::byte* state) const noexcept override {
     return shape_->nearest(position_m, state);
   }
+  bool is_clear_of(const Point& center_m, double radius_m) const noexcept override {
+    return shape_->is_clear_of(center_m, radius_m);
+  }
   scene::ShapeFacts facts() const override { return shape_->facts(); }
   scene::ShapeGeometry geometry() const override { return shape_->geometry(); }
   void begin_outside(const Point& free_m, std::byte* state) const noexcept override {
@@ -48,6 +52,19 @@ class SharedShape final : public scene::Shape {
  private:
   std::shared_ptr<const scene::Shape> shape_;
 };
+
+/// @throws HandoverError if it is none
+std::shared_ptr<const scene::Tool> tool_of(const v1::SceneTool& from) try {
+  constexpr int kNumbers = 4;
+  if (from.point_size() % kNumbers != 0)
+    throw HandoverError("a tool's points have " + std::to_string(from.point_size()) + " numbers, not 4 each");
+  std::vector<scene::ToolPoint> points;
+  for (int i = 0; i < from.point_size(); i += kNumbers)
+    points.push_back({Point(from.point(i), from.point(i + 1), from.point(i + 2)), from.point(i + 3)});
+  return std::make_shared<const scene::Tool>(std::move(points));
+} catch (const std::invalid_argument& error) {
+  throw HandoverError(error.what());
+}
 
 }  // namespace
 
@@ -81,6 +98,7 @@ struct SceneAssembly::Parts {
   std::vector<bool> here;  // of all pieces
   std::size_t pieces_here = 0;
   std::optional<v1::SceneManifest> manifest{};
+  std::shared_ptr<const scene::Tool> tool{};  // of the manifest
   std::vector<GeometryAssembly> geometries{};
   std::vector<BuiltObject> built{};                       // of the objects
   std::map<std::size_t, std::vector<std::byte>> early{};  // pieces that overtook their hash
@@ -176,6 +194,7 @@ void SceneAssembly::Parts::read_manifest() {
   }
   if (pieces != announcement.pieces) throw HandoverError("the manifest has other pieces than were announced");
   built.resize(static_cast<std::size_t>(read.objects_size()));
+  if (read.has_tool()) tool = tool_of(read.tool());
   manifest = std::move(read);
   for (const auto& [number, bytes] : std::exchange(early, {})) add_geometry_piece(number, bytes);
 }
@@ -229,6 +248,7 @@ scene::SceneObject SceneAssembly::Parts::make_object(std::size_t number, Assembl
   made.coverage.emplace_back();
   made.exact.emplace_back();
   scene::SceneObject object = without_shape(part, true, registry, axes());
+  object.tool_radius_m = tool ? tool->radius_m_max() : 0;
   if (has_geometry) {
     give_shape(object, number, part.geometry() - 1, made);
   } else {
@@ -285,7 +305,7 @@ void SceneAssembly::Parts::give_shape(scene::SceneObject& object, std::size_t nu
   check_bytes();
   made.exact.back() = last.coverage;
   if (last.coarse.shape) {
-    double reach_m = 0;
+    double reach_m = object.tool_radius_m;
     for (const scene::RequestedEffect& effect : object.effects)
       reach_m = std::max(reach_m, effect.effect->facts().reach_m);
     object.shape =
@@ -326,8 +346,10 @@ AssembledScene SceneAssembly::build(const std::stop_token& ended) try {
   const scene::SearchBudget budget(p.limits.nodes_of_a_build, &ended);
   AssembledScene made;
   made.whole = whole();
-  scene::SceneFacts facts{
-      .name = one_line(p.manifest->name()), .description = {}, .degrees_of_freedom = p.manifest->degrees_of_freedom()};
+  scene::SceneFacts facts{.name = one_line(p.manifest->name()),
+                          .description = {},
+                          .degrees_of_freedom = p.manifest->degrees_of_freedom(),
+                          .tool = p.tool};
   scene::SceneParts parts;
   for (int i = 0; i < p.manifest->objects_size(); ++i) {
     parts.objects.push_back(p.make_object(static_cast<std::size_t>(i), made));

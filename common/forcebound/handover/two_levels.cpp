@@ -85,6 +85,11 @@ void TwoLevels::begin_outside(const Point& free_m, std::byte* state) const noexc
   shape(own.level).begin_outside(free_m, state_of(own.level, state));
 }
 
+bool TwoLevels::is_clear_of(const Point& center_m, double radius_m) const noexcept {
+  return coarse_.shape->is_clear_of(center_m, radius_m) &&
+         (full_.shape == nullptr || full_.shape->is_clear_of(center_m, radius_m));
+}
+
 scene::ShapeFacts TwoLevels::facts() const {
   scene::ShapeFacts facts = coarse_.shape->facts();
   facts.state_bytes = sizeof(State) + 2 * level_bytes_;

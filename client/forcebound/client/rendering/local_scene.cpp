@@ -5,6 +5,7 @@
 
 #include "forcebound/control/translation.hpp"
 #include "forcebound/scene/geometry/bvh.hpp"
+#include "forcebound/scene/tool/tool.hpp"
 
 namespace forcebound::client {
 namespace {
@@ -30,6 +31,7 @@ bool LocalScene::knows_about(const scene::Point& place_m, double more_m) const n
   const handover::AssembledScene& made = scene_->assembled;
   const std::vector<handover::Coverage>& known = coarse_counts_ ? made.coverage : made.exact;
   const auto steps = made.scene->plan().steps();
+  if (const auto& tool = made.scene->facts().tool) more_m += tool->reach_m();
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const double wanted_m = std::max(depth_m_, steps[i].reach_m) + more_m + handover::kBorder_m;
     if (!(known[i].known_within_m(place_m) >= wanted_m)) return false;

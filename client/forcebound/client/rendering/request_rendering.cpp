@@ -23,8 +23,10 @@ RequestRendering::Request RequestRendering::render(const std::optional<wire::Env
     request.torque_N_m = tick.share * control::translation_of(answer.torque_N_m);
   }
   request.remote_N = request.force_N;
+  request.remote_N_m = request.torque_N_m;
   if (local_ != nullptr && tick.place.allFinite()) render_locally(newest, tick, request);
   request.force_N = force_limiter_.limit(request.force_N, tick.elapsed_s);
+  last_request_N_m_ = request.torque_N_m;
   request.torque_N_m += tick.arm_m.cross(control::translation_of(request.force_N));
   request.torque_N_m = control::translation_of(torque_limiter_.limit(request.torque_N_m, tick.elapsed_s));
   last_request_N_ = request.force_N;
@@ -49,6 +51,7 @@ void RequestRendering::render_locally(const std::optional<wire::EnvironmentForce
     if (tick.share < 1 && request.local->fading_N.rows() > 0)
       request.local->force -= (1 - tick.share) * request.local->fading_N;
     request.force_N = request.local->force;
+    request.torque_N_m = control::translation_of(request.local->torque_N_m);
     request.local_scene = local_->scene().number();
     if (newest && tick.share > 0) add_server_parts(*newest, tick, request);
   }
@@ -80,8 +83,12 @@ void RequestRendering::swap_sources(Nanoseconds now, Request& request) noexcept 
       if (request.models.correction_N.rows() == until_now_N.rows()) until_now_N += request.models.correction_N;
     }
     transfer_.begin(until_now_N, request.force_N, now);
+    const Vector remote_N_m = request.remote_N_m;
+    torque_transfer_.begin(before ? Vector(last_request_N_m_) : torque_transfer_.applied_to(remote_N_m, now),
+                           request.torque_N_m, now);
   }
   request.force_N = transfer_.applied_to(request.force_N, now);
+  request.torque_N_m = control::translation_of(torque_transfer_.applied_to(request.torque_N_m, now));
 }
 
 }  // namespace forcebound::client

@@ -19,7 +19,7 @@ namespace forcebound::client {
 ///     remote  share of the answer's force, with the ripples of its texture
 ///     local   the scene here, in place of that, + share of the rest + what local models change of it
 ///             -> goes on where the one before ended (BumplessTransfer) -> rate limiter
-///     torque  share of the answer's, + that of this force about the grip -> rate limiter
+///     torque  as the force, of the tool about its tip, + that of this force about the grip -> rate limiter
 ///
 /// Real time: noexcept, no allocation. Owned by the tick.
 class RequestRendering {
@@ -29,6 +29,7 @@ class RequestRendering {
       : local_(local),
         force_N_max_(force.most),
         transfer_(force.most),
+        torque_transfer_(torque.most),
         force_limiter_(force),
         torque_limiter_(torque) {}
 
@@ -48,6 +49,7 @@ class RequestRendering {
     Vector force_N{};
     Eigen::Vector3d torque_N_m = Eigen::Vector3d::Zero();  ///< about the grip
     Vector remote_N{};                                     ///< what the server's answers alone would ask for
+    Eigen::Vector3d remote_N_m = Eigen::Vector3d::Zero();  ///< likewise, about the tip
     std::optional<Answer> local{};                         ///< of the scene here
     std::uint64_t local_scene = 0;                         ///< its number; 0: none runs here
     bool with_server_parts = false;      ///< of the server's answer there is a part in it, beside the scene here
@@ -84,10 +86,12 @@ class RequestRendering {
   double force_N_max_;
   AnswerRendering answers_;
   BumplessTransfer transfer_;
+  BumplessTransfer torque_transfer_;  // of the torque about the tip
   RateLimiter force_limiter_;
   RateLimiter torque_limiter_;
   Vector last_request_N_{};
-  bool local_before_ = false;  // whether the last force was of the scene at the client
+  Eigen::Vector3d last_request_N_m_ = Eigen::Vector3d::Zero();  // about the tip, before the limiter
+  bool local_before_ = false;                                   // whether the last force was of the scene at the client
 };
 
 }  // namespace forcebound::client

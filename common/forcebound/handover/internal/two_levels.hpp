@@ -33,6 +33,7 @@ class TwoLevels final : public scene::Shape {
   TwoLevels(Coarse coarse, Full full, double reach_m);
 
   scene::SurfacePoint nearest(const Point& position_m, std::byte* state) const noexcept override;
+  bool is_clear_of(const Point& center_m, double radius_m) const noexcept override;
   scene::ShapeFacts facts() const override;
   scene::ShapeGeometry geometry() const override;
   void begin_outside(const Point& free_m, std::byte* state) const noexcept override;

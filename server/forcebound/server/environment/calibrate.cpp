@@ -20,6 +20,9 @@ constexpr Nanoseconds kBatchLong = std::chrono::milliseconds{1};
 constexpr Nanoseconds kLong = std::chrono::milliseconds{300};
 constexpr int kBatchesLeast = 40;
 
+/// A tool touches with its points.
+constexpr scene::Handle kUpright{.orientation = scene::Handle::Orientation{1, 0, 0, 0}};
+
 /// A stroke about 2 mm to and fro on each axis, that is on both sides of a surface through its middle.
 Vector on_stroke(const scene::Point& middle_m, int motion, Eigen::Index rows) {
   const double turn = 0.01 * motion;
@@ -59,7 +62,7 @@ class Measurement {
     const Nanoseconds begin = clock_.now();
     for (const Vector& place : places_) {
       device_time_ += kPeriod;
-      const scene::Answer answer = state_.answer(place, device_time_, device_time_, true);
+      const scene::Answer answer = state_.answer(place, device_time_, device_time_, true, kUpright);
       left_out_ = !state_.quarantined().empty() || left_out_;
       felt = felt && !answer.force.isZero(0);
     }

@@ -7,6 +7,7 @@
 #include "forcebound/config/parameter.hpp"
 #include "forcebound/handover/scene_assembly.hpp"
 #include "forcebound/scene/cost.hpp"
+#include "forcebound/scene/tool/tool.hpp"
 #include "forcebound/text/names.hpp"
 #include "forcebound/text/numbers.hpp"
 #include "forcebound/text/printable.hpp"
@@ -57,7 +58,8 @@ struct PartSum {
   double reach_m = 0;
 };
 
-PartSum sum_of(const scene::SceneObject& part) {
+/// @param points that feel it, each with states of its own
+PartSum sum_of(const scene::SceneObject& part, std::size_t points) {
   PartSum sum;
   if (part.shape) {
     const scene::ShapeFacts shape = part.shape->facts();
@@ -69,6 +71,7 @@ PartSum sum_of(const scene::SceneObject& part) {
     sum.state_bytes += effect.state_bytes;
     sum.reach_m = std::max(sum.reach_m, effect.reach_m);
   }
+  sum.state_bytes *= points;
   return sum;
 }
 
@@ -112,11 +115,11 @@ std::string bounds_text(const Eigen::AlignedBox3d& bounds_m, Eigen::Index axes) 
          kIndent + list(bounds_m.sizes(), " x ", 1e3) + " mm\n" + size_warning(bounds_m.sizes().head(axes).maxCoeff());
 }
 
-/// @param bounds bounds_text of its shape
+/// @param bounds bounds_text of its shape @param points as of sum_of
 std::string explain_part(const std::string& what, const scene::SceneObject& part, const std::string& bounds,
                          const scene::PartRendering& rendering, const RingingDevice& device,
-                         const std::optional<MeasuredCost>& measured) {
-  const PartSum sum = sum_of(part);
+                         const std::optional<MeasuredCost>& measured, std::size_t points = 1) {
+  const PartSum sum = sum_of(part, points);
   std::string text = what + " '" + part.name + "'" + (part.shape ? ": " + part.shape_text : "") + "\n" + bounds;
   for (const scene::RequestedEffect& requested : part.effects) {
     text +=
@@ -125,7 +128,7 @@ std::string explain_part(const std::string& what, const scene::SceneObject& part
   }
   text += "  implies:    " + implied_text(part, sum) + "\n";
   text += "  rendering:  " + scene::to_text(rendering) + "\n";
-  text += "  cost:       " + cost_text(predicted_cost_ns(part), measured) + "\n";
+  text += "  cost:       " + cost_text(static_cast<double>(points) * predicted_cost_ns(part), measured) + "\n";
   text += "  memory:     " + bytes_text(sum.memory_bytes) + " shared by all, " + bytes_text(sum.state_bytes) +
           " for each client\n";
   return text + "  stability:  " + stability_text(ringing_of(part), device, kIndent) + "\n";
@@ -155,8 +158,14 @@ std::string sharing_text(const scene::Scene& scene) {
 std::string tool_text(const scene::Scene& scene) {
   const control::Vector& tool_m = scene.facts().tool_m;
   if (tool_m.rows() == 0) return {};
-  return "tool: " + config::to_text(Eigen::Vector3d(tool_m), tool_m.rows()) +
-         " m from the grip to its tip, which touches, and turns a handle that shows torque\n";
+  const std::string tip =
+      "tool: " + config::to_text(Eigen::Vector3d(tool_m), tool_m.rows()) + " m from the grip to its tip, ";
+  const auto& tool = scene.facts().tool;
+  if (!tool) return tip + "which touches, and turns a handle that shows torque\n";
+  return tip + "touches with " + std::to_string(tool->points().size()) + " points, all within " +
+         rounded(1e3 * tool->reach_m()) + " mm of that;\n" + kIndent +
+         "turns a handle that shows torque; one that does not tell its orientation touches nothing\n" + kIndent +
+         "stability below is that of one point: those that touch at once add up\n";
 }
 
 std::string not_simulated_text(const scene::Scene& scene) {
@@ -216,7 +225,8 @@ std::string hand_text(const ExplainedHand& hand) {
     return text + "warning: it feels nothing within " + rounded(HandTrial::kLongest_s) + " s\n" + kIndent +
            "(tried in virtual time, without a network)\n";
   }
-  return text + "feels something after " + rounded(*trial.touched_s) + " s\n";
+  text += "feels something after " + rounded(*trial.touched_s) + " s";
+  return text + (trial.contacts > 1 ? ", with " + std::to_string(trial.contacts) + " contacts at once\n" : "\n");
 }
 
 std::string total_text(const scene::Scene& scene, const ExplainFacts& facts) {
@@ -265,10 +275,12 @@ std::string explain(const scene::Scene& scene, const ExplainFacts& facts) {
   };
   const auto measured = [&] { return part_alone(facts.calibration, part++); };
   const Eigen::Index axes = std::max(1, scene.facts().degrees_of_freedom);
+  const auto& tool = scene.facts().tool;
+  const std::size_t points = tool ? tool->points().size() : 1;
   for (const scene::SceneObject& object : scene.objects()) {
     const scene::PartRendering rendering = rendering_of(part);
     text += explain_part("object", object, bounds_text(object.shape->facts().bounds_m, axes), rendering, facts.device,
-                         measured());
+                         measured(), points);
   }
   for (const scene::SceneObject& field : scene.fields()) {
     const scene::PartRendering rendering = rendering_of(part);

@@ -26,26 +26,6 @@ void parse_effect(config::CheckedTable& part, const config::Node& wanted, const 
   table.built_at(table.node(), [&] { scene::add_effect(made, kind, given, axes); });
 }
 
-void parse_shape(config::CheckedTable& part, const scene::Registry& registry, scene::SceneObject& made,
-                 Eigen::Index axes) {
-  config::CheckedTable shape = part.table("shape");
-  const std::string kinds = text::join(scene::shape_names(registry));
-  const std::string name = shape.text(config::TextParameter{.key = "kind", .accepted = kinds});
-  const scene::ShapeKind& kind = shape.built_at(
-      shape.at("kind"), [&]() -> const scene::ShapeKind& { return scene::shape_kind(registry, name, axes); });
-  const config::Values given = shape.given(kind.parameters, axes);
-  shape.refuse_unknown_keys();
-  for (const config::Parameter& parameter : kind.parameters) {
-    const auto* const text = std::get_if<config::TextParameter>(&parameter);
-    if (text == nullptr || text->form != config::TextParameter::Form::file || !given.has(text->key)) continue;
-    (void)shape.path_at(text->key, given.text(text->key));
-  }
-  const config::Node* const source = shape.node().find(kind.source);
-  shape.built_at(source != nullptr ? *source : shape.node(), [&] {
-    scene::set_shape(made, kind, given, axes, part.folder(), triangles_of(kind, given, part.folder()));
-  });
-}
-
 void refuse_unrequested_tables(const config::CheckedTable& part, const scene::SceneObject& made,
                                const scene::Registry& registry) {
   for (const scene::EffectKind& kind : registry.effects()) {
@@ -71,9 +51,29 @@ config::TableDescription object_table() {
            config::OtherParameter{.key = "shape", .meaning = "a table whose `kind` is one of the [shapes](#shapes)"}}};
 }
 
+void parse_shape(config::CheckedTable& part, const scene::Registry& registry, scene::SceneObject& made,
+                 Eigen::Index axes) {
+  config::CheckedTable shape = part.table("shape");
+  const std::string kinds = text::join(scene::shape_names(registry));
+  const std::string name = shape.text(config::TextParameter{.key = "kind", .accepted = kinds});
+  const scene::ShapeKind& kind = shape.built_at(
+      shape.at("kind"), [&]() -> const scene::ShapeKind& { return scene::shape_kind(registry, name, axes); });
+  const config::Values given = shape.given(kind.parameters, axes);
+  shape.refuse_unknown_keys();
+  for (const config::Parameter& parameter : kind.parameters) {
+    const auto* const text = std::get_if<config::TextParameter>(&parameter);
+    if (text == nullptr || text->form != config::TextParameter::Form::file || !given.has(text->key)) continue;
+    (void)shape.path_at(text->key, given.text(text->key));
+  }
+  const config::Node* const source = shape.node().find(kind.source);
+  shape.built_at(source != nullptr ? *source : shape.node(), [&] {
+    scene::set_shape(made, kind, given, axes, part.folder(), triangles_of(kind, given, part.folder()));
+  });
+}
+
 scene::SceneObject parse_part(config::CheckedTable& part, const std::string& name, bool is_object,
-                              const scene::Registry& registry, Eigen::Index axes) {
-  scene::SceneObject made{.name = name};
+                              const scene::Registry& registry, Eigen::Index axes, double tool_radius_m) {
+  scene::SceneObject made{.name = name, .tool_radius_m = tool_radius_m};
   // The values are read below, with their places; here the keys become known, and a missing one is told.
   (void)part.given((is_object ? object_table() : field_table()).keys, axes);
   const config::Node::List& effects = part.list("effects");

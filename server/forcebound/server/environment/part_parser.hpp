@@ -13,8 +13,15 @@ namespace forcebound::server {
 
 /// Reads an [[object]] or a [[field]] made of registered shapes and effects.
 /// @param axes of the scene
+/// @param tool_radius_m the largest of the points that touch it
 /// @throws SceneError
 [[nodiscard]] scene::SceneObject parse_part(config::CheckedTable& part, const std::string& name, bool is_object,
-                                            const scene::Registry& registry, Eigen::Index axes);
+                                            const scene::Registry& registry, Eigen::Index axes,
+                                            double tool_radius_m = 0);
+
+/// Reads the table `shape` of a part.
+/// @throws SceneError
+void parse_shape(config::CheckedTable& part, const scene::Registry& registry, scene::SceneObject& made,
+                 Eigen::Index axes);
 
 }  // namespace forcebound::server

@@ -38,8 +38,8 @@ view::Description describe(const scene::SceneState& state, view::Which which) {
 
 class SceneEnvironment final : public SceneAnswers {
  public:
-  SceneEnvironment(scene::SceneState state, std::shared_ptr<Appearance> appearance)
-      : SceneAnswers(std::move(state)), appearance_(std::move(appearance)) {}
+  SceneEnvironment(scene::SceneState state, std::shared_ptr<Appearance> appearance, bool shows_torque)
+      : SceneAnswers(std::move(state)), appearance_(std::move(appearance)), shows_torque_(shows_torque) {}
 
   std::shared_ptr<const view::Description> appearance(view::Which which) override {
     auto& made = which == view::Which::all ? appearance_->all : appearance_->not_handed_over;
@@ -47,8 +47,15 @@ class SceneEnvironment final : public SceneAnswers {
     return made;
   }
 
+  Answer respond(const Motion& motion) noexcept override {
+    Answer answer = SceneAnswers::respond(motion);
+    if (!shows_torque_) answer.torque_N_m.resize(0);
+    return answer;
+  }
+
  private:
   std::shared_ptr<Appearance> appearance_;
+  bool shows_torque_;
 };
 
 /// The dynamic models of a shared scene, kept as long as a client uses them.
@@ -87,8 +94,8 @@ struct Shared {
   std::shared_ptr<Appearance> appearance = std::make_shared<Appearance>();
 };
 
-MadeEnvironment made(const scene::Scene& scene, const Shared& shared, scene::SceneState state) {
-  return {.environment = std::make_unique<SceneEnvironment>(std::move(state), shared.appearance),
+MadeEnvironment made(const scene::Scene& scene, const Shared& shared, scene::SceneState state, bool shows_torque) {
+  return {.environment = std::make_unique<SceneEnvironment>(std::move(state), shared.appearance, shows_torque),
           .simulated = summary(scene),
           .hash = scene.facts().hash,
           .packed = shared.packed,
@@ -107,7 +114,7 @@ EnvironmentKind scene_environment(const std::shared_ptr<const scene::Scene>& sce
     kind.sessions_max = static_cast<std::size_t>(scene->facts().clients_max);
     kind.make = [scene, shared = Shared(*scene),
                  models = std::make_shared<SharedDynamicModels>()](const ClientFacts& client) {
-      return made(*scene, shared, models->enter(scene, client.degrees_of_freedom));
+      return made(*scene, shared, models->enter(scene, client.degrees_of_freedom), client.shows_torque);
     };
     return kind;
   }
@@ -118,15 +125,15 @@ EnvironmentKind scene_environment(const std::shared_ptr<const scene::Scene>& sce
       const scene::AutoAccuracy::Client asking{.round_trip_s = time::to_seconds(client.round_trip),
                                                .renders_locally = client.renders_locally};
       const scene::AccuracyLevel& picked = accuracy->best(asking);
-      MadeEnvironment level =
-          made(*picked.scene, of_levels.at(picked.scene.get()), {picked.scene, client.degrees_of_freedom});
+      MadeEnvironment level = made(*picked.scene, of_levels.at(picked.scene.get()),
+                                   {picked.scene, client.degrees_of_freedom}, client.shows_torque);
       level.choice = accuracy->text(picked, asking);
       return level;
     };
     return kind;
   }
   kind.make = [scene, shared = Shared(*scene)](const ClientFacts& client) {
-    return made(*scene, shared, {scene, client.degrees_of_freedom});
+    return made(*scene, shared, {scene, client.degrees_of_freedom}, client.shows_torque);
   };
   return kind;
 }

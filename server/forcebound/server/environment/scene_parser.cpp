@@ -5,12 +5,14 @@
 
 #include "forcebound/config/checked_table.hpp"
 #include "forcebound/scene/cost.hpp"
+#include "forcebound/scene/tool/tool.hpp"
 #include "forcebound/server/environment/accuracy_parser.hpp"
 #include "forcebound/server/environment/body_parser.hpp"
 #include "forcebound/server/environment/part_parser.hpp"
 #include "forcebound/server/environment/scene_key.hpp"
 #include "forcebound/server/environment/suggested_hand.hpp"
 #include "forcebound/server/environment/tissue_parser.hpp"
+#include "forcebound/server/environment/tool_parser.hpp"
 #include "forcebound/text/names.hpp"
 
 namespace forcebound::server {
@@ -67,22 +69,25 @@ class Parser {
     CheckedTable file(whole, file_, "scene file");
     file.allow_files_in(folders_);
     // First: a misspelt table is why another error comes.
-    for (const char* const table : {"scene", "accuracy", "object", "field", "bodies", "body", "tissue"}) {
+    for (const char* const table : {"scene", "accuracy", "tool", "object", "field", "bodies", "body", "tissue"}) {
       (void)file.find(table);
     }
     file.refuse_unknown_keys();
     scene::SceneFacts facts = parse_facts(file.table("scene", "scene"));
     facts.hash = hash;
+    parse_tool(file, registry_, facts);
+    const double tool_radius_m = facts.tool ? facts.tool->radius_m_max() : 0;
     const Eigen::Index axes = facts.degrees_of_freedom == scene::kAnyDegreesOfFreedom ? 1 : facts.degrees_of_freedom;
     scene::SceneParts parts;
     file.each("object", [&](CheckedTable& object, const std::string& name) {
-      parts.objects.push_back(parse_part(object, name, true, registry_, axes));
+      parts.objects.push_back(parse_part(object, name, true, registry_, axes, tool_radius_m));
     });
     file.each("field", [&](CheckedTable& field, const std::string& name) {
       parts.fields.push_back(parse_part(field, name, false, registry_, axes));
     });
     parts.dynamic_models = parse_bodies(file);
     for (scene::SceneDynamicModel& tissue : parse_tissues(file)) parts.dynamic_models.push_back(std::move(tissue));
+    check_tool(file, facts, parts);
     check_dynamic_models(file, facts, parts.dynamic_models);
     refuse_coincident(file, parts.objects);
     for (const scene::EffectKind& kind : registry_.effects()) {
@@ -120,16 +125,6 @@ class Parser {
     return parse(whole, fnv1a(std::string(text_) + "\n" + key + " = " + written(value)));
   }
 
-  /// Longer ones are no tools for a hand.
-  static void parse_tool(CheckedTable& scene, scene::SceneFacts& facts) {
-    constexpr std::string_view kTool = "tool_m";
-    constexpr double kLongest_m = 0.5;
-    constexpr int kSpace = 3;
-    if (scene.find(kTool) == nullptr) return;
-    if (facts.degrees_of_freedom != kSpace) scene.refuse(kTool, "left out unless degrees_of_freedom = 3");
-    facts.tool_m = scene.vector({.key = kTool, .least = -kLongest_m, .most = kLongest_m}, kSpace);
-  }
-
   static scene::SceneFacts parse_facts(CheckedTable scene) {
     const std::vector<config::Parameter> keys = scene_table().keys;
     const config::Values given = scene.given(keys);
@@ -148,7 +143,6 @@ class Parser {
       scene.fail(scene.at("clients_max"),
                  "clients_max is for shared scenes; any number of clients may feel another one, each alone");
     }
-    parse_tool(scene, facts);
     parse_suggestion(scene, facts);
     scene.refuse_unknown_keys();
     return facts;
@@ -236,12 +230,6 @@ config::TableDescription scene_table() {
            .key = "accuracy",
            .meaning = "whether it is simulated as it stands, or as a level of `[accuracy]` that suits each client",
            .choices = {"fixed", "auto"}},
-       config::OtherParameter{.key = "tool_m",
-                              .meaning =
-                                  "the rigid tool in the hand, which touches with its tip: from the grip to that, "
-                                  "in the axes of a handle that tells its orientation",
-                              .accepted = "`[x, y, z]`, each from -0.5 to 0.5",
-                              .absent = "none: the grip touches"},
        TextParameter{
            .key = "suggested_device",
            .meaning = "with which the scene is worth touching, for `forcebound-server --suggest` and the demo",

@@ -5,6 +5,7 @@
 #include "forcebound/server/environment/part_parser.hpp"
 #include "forcebound/server/environment/scene_parser.hpp"
 #include "forcebound/server/environment/tissue_parser.hpp"
+#include "forcebound/server/environment/tool_parser.hpp"
 #include "forcebound/text/names.hpp"
 
 namespace forcebound::server {
@@ -145,7 +146,8 @@ std::string schema_example() {
 }
 
 std::vector<config::TableDescription> part_tables() {
-  return {scene_table(), accuracy_table(), accuracy_level_table(), field_table(), object_table()};
+  return {scene_table(),     accuracy_table(), accuracy_level_table(), tool_table(),
+          tool_part_table(), field_table(),    object_table()};
 }
 
 std::vector<config::TableDescription> dynamic_model_tables() {

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "forcebound/config/checked_table.hpp"
+#include "forcebound/control/rotation.hpp"
+#include "forcebound/control/translation.hpp"
 #include "forcebound/device/load_device.hpp"
 #include "forcebound/device/simulated/make_operator.hpp"
 #include "forcebound/device/simulated/simulated_device.hpp"
@@ -26,6 +28,8 @@ constexpr double kBeside_m = 0.01;
 constexpr int kLineSteps = 4000;
 
 std::string device_for(const scene::SceneFacts& facts) {
+  // It tells where the points of a tool are, and shows what turns it.
+  if (facts.tool) return "arm-6dof";
   if (facts.degrees_of_freedom == 3) return "omni";
   return facts.degrees_of_freedom == 2 ? "cartesian-2dof" : "wall-1dof";
 }
@@ -34,6 +38,13 @@ device::SimulatedDevice make_device(const SuggestedHand& suggested) {
   device::DeviceDescription description = device::load_device(suggested.device);
   auto hand = device::make_operator(suggested.hand, description.facts);
   return {std::move(description), std::move(hand)};
+}
+
+/// As a client tells it: the tip of the tool in the hand.
+control::Vector tip_of(const scene::Scene& scene, const device::Reading& reading) {
+  const control::Vector& tool_m = scene.facts().tool_m;
+  if (tool_m.rows() == 0 || !reading.handle.orientation) return reading.position;
+  return reading.position + control::quaternion_of(*reading.handle.orientation) * control::translation_of(tool_m);
 }
 
 bool has_surface(const scene::Scene& scene) { return !scene.objects().empty() || !scene.dynamic_models().empty(); }
@@ -272,10 +283,14 @@ HandTrial try_hand(const std::shared_ptr<const scene::Scene>& scene, const Sugge
   for (time::Nanoseconds now{0}; time::to_seconds(now) <= HandTrial::kLongest_s; now += kTick) {
     const device::Reading reading = device.read(now);
     if (!reading.position.allFinite()) break;
-    const scene::Answer answer = state.answer(reading.position, now, {}, false, reading.handle);
+    const scene::Answer answer = state.answer(tip_of(*scene, reading), now, {}, false, reading.handle);
     // A device within an object that does not push, such as a viscous one, has not touched it.
     const bool touches = !answer.force.isZero(0) && (!surface || answer.penetration_m > 0);
-    if (touches) return {.starts_inside = surface && now == time::Nanoseconds{0}, .touched_s = time::to_seconds(now)};
+    if (touches) {
+      return {.starts_inside = surface && now == time::Nanoseconds{0},
+              .touched_s = time::to_seconds(now),
+              .contacts = state.contacts()};
+    }
     // Until then only fields push, which a device resists up to its limit.
     const double force_N = answer.force.norm();
     device.apply(

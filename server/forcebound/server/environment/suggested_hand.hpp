@@ -44,6 +44,7 @@ struct HandTrial {
   bool starts_inside = false;  ///< of an object
   std::optional<double>
       touched_s{};  ///< time of the first force from a surface, or, in a scene without surfaces, of the first force
+  std::size_t contacts = 0;  ///< of the points that touch objects then
 };
 
 /// Runs the simulated device with the hand on it in the scene, in virtual time and without a network, until it touches

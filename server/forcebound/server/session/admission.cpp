@@ -77,7 +77,7 @@ bool is_law_of_wrong_point(const wire::Hello& hello, const MadeEnvironment& made
 }
 
 std::string refusal_of_law(const wire::Hello& hello, const std::string& scene) {
-  return "scene '" + scene + "' has a tool in the hand (tool_m), for which the law '" + printable(hello.server_law) +
+  return "scene '" + scene + "' has a tool in the hand ([tool]), for which the law '" + printable(hello.server_law) +
          "' needs a device that shows torque: use a law without a server-side law, or a scene without a tool";
 }
 

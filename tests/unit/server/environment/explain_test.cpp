@@ -31,7 +31,8 @@ TEST(Explain, SaysWhatIsSimulatedWithUnits) {
 
 TEST(Explain, NamesTheToolInTheHandAndTheTorquesThatItMakes) {
   const std::string text = explain(*parse_scene(
-      "scene = { name = 'probe', description = '', degrees_of_freedom = 3, tool_m = [0, 0, -0.1] }\n", "probe.toml"));
+      "scene = { name = 'probe', description = '', degrees_of_freedom = 3 }\n[tool]\ntip_m = [0, 0, -0.1]\n",
+      "probe.toml"));
   EXPECT_THAT(text, HasSubstr("\ntool: [0, 0, -0.1] m from the grip to its tip"));
   EXPECT_THAT(text, HasSubstr("\nnot simulated: torques but those of the tool; "));
   EXPECT_THAT(explain(*load_scene("plane")), Not(HasSubstr("tool")));

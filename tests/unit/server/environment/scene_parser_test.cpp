@@ -105,11 +105,11 @@ TEST(ParseScene, UnknownKeysAreErrorsWithTheNearestKnown) {
   EXPECT_EQ(
       error_of(with("degrees_of_freedom = 2", "degrees_of_freedom = 2\ndescripton = ''")),
       "scenes/wall.toml:5: scene: unknown key 'descripton', did you mean 'description'? (known: name, description, "
-      "degrees_of_freedom, shared, clients_max, accuracy, tool_m, suggested_device, suggested_hand)");
+      "degrees_of_freedom, shared, clients_max, accuracy, suggested_device, suggested_hand)");
   EXPECT_EQ(
       error_of(with("[scene]", "[scenery]\n[scene]")),
-      "scenes/wall.toml:1: scene file: unknown key 'scenery', did you mean 'scene'? (known: scene, accuracy, object, "
-      "field, bodies, body, tissue)");
+      "scenes/wall.toml:1: scene file: unknown key 'scenery', did you mean 'scene'? (known: scene, accuracy, tool, "
+      "object, field, bodies, body, tissue)");
   EXPECT_EQ(error_of(with("normal = [-1, 0] }", "normal = [-1, 0], radius_m = 1 }")),
             "scenes/wall.toml:8: object 'wall', shape: unknown key 'radius_m' (known: kind, through_m, normal)");
 }

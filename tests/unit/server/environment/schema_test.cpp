@@ -167,6 +167,8 @@ TEST(Schema, HasASectionForEveryTableOfAFile) {
 TEST(Schema, HasExactlyTheKeysOfEveryOtherTable) {
   const std::string nobodys = std::string(kNobodysKey) + " = 1\n";
   const std::string scene = "[scene]\nname = 'x'\ndescription = ''\ndegrees_of_freedom = 1\n";
+  const std::string in_space = "[scene]\nname = 'x'\ndescription = ''\ndegrees_of_freedom = 3\n";
+  const std::string ball = "shape = { kind = 'sphere', center_m = [0, 0, 0], radius_m = 0.1 }\n";
   const std::string object =
       "[[object]]\nname = 'x'\neffects = ['viscosity']\nviscosity = { damping_N_s_per_m = 1 }\n"
       "shape = { kind = 'sphere', center_m = [0], radius_m = 1 }\n";
@@ -179,6 +181,8 @@ TEST(Schema, HasExactlyTheKeysOfEveryOtherTable) {
   const std::map<std::string, std::pair<std::string, std::vector<std::string>>> wrong{
       {"`[accuracy]`", {levels(nobodys, ""), {}}},
       {"A level of `[accuracy]`", {levels("", ", " + std::string(kNobodysKey) + " = 1"), {}}},
+      {"`[tool]`", {in_space + "[tool]\ntip_m = [0, 0, 0]\n" + nobodys, {"part"}}},
+      {"`[[tool.part]]`", {in_space + "[tool]\n[[tool.part]]\nname = 'x'\n" + ball + nobodys, {}}},
       {"`[scene]`", {scene + "shared = true\n" + nobodys, {}}},
       {"`[[object]]`", {scene + object + nobodys, {"viscosity"}}},
       {"`[[field]]`", {scene + field + nobodys, {"viscosity"}}}};

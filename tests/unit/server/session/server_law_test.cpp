@@ -125,7 +125,7 @@ TEST_F(ServerWithServerLaws, RefusesOneForAToolInTheHandUnlessTheDeviceShowsTorq
   arrive(question);
   const auto refusal = only_answer<wire::Refusal>();
   EXPECT_EQ(refusal.reason, wire::RefusalReason::unknown_server_law);
-  EXPECT_THAT(std::string(refusal.text), testing::HasSubstr("scene 'pen' has a tool in the hand (tool_m)"));
+  EXPECT_THAT(std::string(refusal.text), testing::HasSubstr("scene 'pen' has a tool in the hand ([tool])"));
   EXPECT_EQ(server->sessions(), 0U);
   question.shows_torque = true;
   arrive(question);

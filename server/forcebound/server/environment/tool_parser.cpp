@@ -1,0 +1,89 @@
+#include "forcebound/server/environment/tool_parser.hpp"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "forcebound/scene/tool/tool.hpp"
+#include "forcebound/server/environment/part_parser.hpp"
+
+namespace forcebound::server {
+namespace {
+
+using config::CheckedTable;
+
+constexpr int kSpace = 3;
+
+std::vector<scene::ToolPoint> parse_tool_part(CheckedTable& part, const std::string& name,
+                                              const scene::Registry& registry, double spacing_m) {
+  scene::SceneObject made{.name = name};
+  (void)part.given(tool_part_table().keys, kSpace);
+  parse_shape(part, registry, made, kSpace);
+  part.refuse_unknown_keys();
+  return part.built_at(part.at("shape"), [&] {
+    std::vector<scene::ToolPoint> points =
+        points_of_part(made.shape_kind, made.shape_values, made.shape->geometry(), spacing_m);
+    // Told of the part that is at fault.
+    (void)scene::Tool(points);
+    return points;
+  });
+}
+
+}  // namespace
+
+config::TableDescription tool_table() {
+  return {"`[tool]`",
+          "The rigid tool in the hand, in the axes of a handle that tells its orientation. It touches objects with the "
+          "points of its parts, without a part with its tip; fields act at the tip. Every point is as stiff as the "
+          "object.",
+          {config::OtherParameter{.key = "tip_m",
+                                  .meaning = "from the grip to the tip",
+                                  .accepted = "`[x, y, z]`, each from -0.5 to 0.5",
+                                  .absent = "`[0, 0, 0]`"},
+           config::positive_number("spacing_m", "of the points of its surface", scene::kToolReachMost_m, 2e-3)}};
+}
+
+config::TableDescription tool_part_table() {
+  return {"`[[tool.part]]`",
+          "All parts have at most 10,000 points, within 0.5 m of the tip.",
+          {config::name_of_part(),
+           config::OtherParameter{.key = "shape",
+                                  .meaning = "a sphere, capsule, box, cylinder or closed mesh, from the tip"}}};
+}
+
+void parse_tool(CheckedTable& file, const scene::Registry& registry, scene::SceneFacts& facts) {
+  if (file.find("tool") == nullptr) return;
+  CheckedTable tool = file.table("tool", "tool");
+  if (facts.degrees_of_freedom != kSpace) tool.fail("a tool needs a scene with degrees_of_freedom = 3");
+  const double spacing_m = config::completed(tool_table().keys, tool.given(tool_table().keys)).number("spacing_m");
+  std::vector<scene::ToolPoint> points;
+  tool.each("part", [&](CheckedTable& part, const std::string& name) {
+    const std::vector<scene::ToolPoint> more = parse_tool_part(part, name, registry, spacing_m);
+    points.insert(points.end(), more.begin(), more.end());
+  });
+  if (points.empty()) (void)tool.at("tip_m", "the tip of a tool without [[tool.part]]");
+  constexpr double kLongest_m = 0.5;
+  facts.tool_m = tool.vector({.key = "tip_m", .preset = 0, .least = -kLongest_m, .most = kLongest_m}, kSpace);
+  tool.refuse_unknown_keys();
+  if (points.empty()) return;
+  tool.built_at(tool.node(), [&] { facts.tool = std::make_shared<const scene::Tool>(std::move(points)); });
+}
+
+void check_tool(CheckedTable& file, const scene::SceneFacts& facts, const scene::SceneParts& parts) {
+  if (!facts.tool) return;
+  if (!parts.dynamic_models.empty()) {
+    file.fail(file.at("tool"), "a tool with parts touches objects alone, got '" + parts.dynamic_models.front().name +
+                                   "': leave out tissue and bodies, or [[tool.part]]");
+  }
+  for (const scene::SceneObject& object : parts.objects) {
+    const auto refused = std::ranges::find_if(object.effects, [](const scene::RequestedEffect& requested) {
+      return requested.name == "texture" || requested.effect->facts().fades_without_server;
+    });
+    if (refused == object.effects.end()) continue;
+    file.fail(file.at("tool"), "a tool with parts feels no " + refused->name + ", got that of object '" + object.name +
+                                   "': leave it out, or [[tool.part]]");
+  }
+}
+
+}  // namespace forcebound::server
