@@ -108,6 +108,7 @@ constexpr Run kRuns[] = {
     {"adhesion", "fba-exact", "98984020873f1eca"},
     {"assembly", "fba-exact", "e61b7b37c8fba046"},
     {"attractor", "fba-exact", "4af37e9a21b789ab"},
+    {"blade", "fba-exact", "2c8d75356b588e90"},  // a tool, which a device that does not turn does not feel
     {"block_and_stop", "fba-exact", "752d0b177ef9a85e"},
     {"blocks", "fba-exact", "b46386e5a98821fb"},
     {"box", "fba-exact", "c61a49b701c43dff"},
@@ -129,6 +130,7 @@ constexpr Run kRuns[] = {
     {"microsurgery", "fba-exact", "6c6c2d60638096c2"},
     {"pad", "fba-exact", "b2df4942bfb078d3"},
     {"palpation", "fba-exact", "30b3d38e515a346a"},
+    {"peg_in_hole", "fba-exact", "90c0aa3c8a1cb374"},
     {"pick_and_place", "fba-exact", "0704a167e2db85e8"},
     {"plane", "fba-exact", "4241d449cebd3273"},
     {"pottery", "fba-exact", "984ebb9dc94a1a04"},

@@ -4,6 +4,7 @@
 
 #include <sstream>
 
+#include "forcebound/control/rotation.hpp"
 #include "forcebound/server/environment/scene_library.hpp"
 #include "forcebound/text/file.hpp"
 #include "tests/support/scene_files.hpp"
@@ -33,11 +34,14 @@ void expect_the_same_answers(const std::shared_ptr<const Scene>& one, const std:
       away[row] = std::clamp(0.99 * away[row] + step_m(random), -reach_m, reach_m);
     const Vector position = middle + away;
     const auto time = i * 1ms;
-    const scene::Answer here = a.answer(position, time);
-    const scene::Answer there = b.answer(position, time);
+    // A tool touches with its points.
+    const control::Handle handle{.orientation = control::orientation_of(control::turn_by(Point(0.1, 0.2, 1e-3 * i)))};
+    const scene::Answer here = a.answer(position, time, {}, false, handle);
+    const scene::Answer there = b.answer(position, time, {}, false, handle);
     const bool any_at_server = here.server_parts_N.rows() > 0;
     ASSERT_EQ(any_at_server ? Vector(here.force - here.server_parts_N) : here.force, there.force)
         << "at " << position.transpose();
+    ASSERT_EQ(here.torque_N_m, there.torque_N_m);
     ASSERT_EQ(here.penetration_m, there.penetration_m);
     in_contact += here.penetration_m > 0 ? 1 : 0;
   }
