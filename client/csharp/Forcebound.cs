@@ -836,6 +836,7 @@ public enum EventKind {
   NoTorque = Native.FB_EVENT_NO_TORQUE,
   DeviceBack = Native.FB_EVENT_DEVICE_BACK,
   Follower = Native.FB_EVENT_FOLLOWER,
+  ToolLost = Native.FB_EVENT_TOOL_LOST,
   Problem = Native.FB_EVENT_PROBLEM
 }
 
@@ -1483,6 +1484,7 @@ internal static unsafe class Native {
   internal const int FB_EVENT_NO_TORQUE = 11;
   internal const int FB_EVENT_DEVICE_BACK = 12;
   internal const int FB_EVENT_FOLLOWER = 13;
+  internal const int FB_EVENT_TOOL_LOST = 14;
   internal const int FB_EVENT_PROBLEM = 1000;
 
   [StructLayout(LayoutKind.Sequential)]

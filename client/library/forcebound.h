@@ -409,6 +409,7 @@ enum {
   FB_EVENT_NO_TORQUE = 11,
   FB_EVENT_DEVICE_BACK = 12,
   FB_EVENT_FOLLOWER = 13,      /* the robot at the far end does something else */
+  FB_EVENT_TOOL_LOST = 14,     /* the scene's tool: the device does not tell its orientation */
   FB_EVENT_PROBLEM = 1000      /* text: of names, keys, handshakes, the recording */
 };
 

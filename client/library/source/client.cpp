@@ -57,7 +57,7 @@ namespace {
 // As they are in forcebound.h.
 static_assert(static_cast<int>(client::Event::Kind::welcomed) == FB_EVENT_WELCOMED);
 static_assert(static_cast<int>(client::Event::Kind::scene_here) == FB_EVENT_SCENE_HERE);
-static_assert(static_cast<int>(client::Event::Kind::follower_changed) == FB_EVENT_FOLLOWER);
+static_assert(static_cast<int>(client::Event::Kind::tool_lost) == FB_EVENT_TOOL_LOST);
 static_assert(static_cast<int>(record::SessionState::reconnecting) == FB_SESSION_RECONNECTING);
 
 constexpr std::size_t kSettingsLeast = offsetof(fb_client_settings, scene);

@@ -77,6 +77,10 @@ EventWords words_of(const Event& event) {
       return {info, fmt::format("forces are fresh again after {}", in_words(event.duration))};
     case Event::Kind::follower_changed:
       return words_of_follower(event);
+    case Event::Kind::tool_lost:
+      return {warn,
+              "the scene puts a tool into the hand, and the device does not tell its orientation: the tool touches at "
+              "the grip, and not at all if it has a shape"};
   }
   return {};
 }

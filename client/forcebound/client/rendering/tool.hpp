@@ -27,7 +27,12 @@ struct ToolPoint {
 class Tool {
  public:
   /// @param lever_m from the grip to the tip in the handle's axes [m]; three rows, or none: no tool
-  void set_lever(const control::Vector& lever_m) noexcept { lever_m_ = control::translation_of(lever_m); }
+  void set_lever(const control::Vector& lever_m) noexcept {
+    lever_m_ = control::translation_of(lever_m);
+    in_hand_ = lever_m.rows() > 0;
+  }
+
+  [[nodiscard]] bool in_hand() const noexcept { return in_hand_; }
 
   /// @param grip_m of the device @param proxy_m the grip where the law wants the environment asked
   [[nodiscard]] ToolPoint at(const control::Vector& grip_m, const control::Vector& proxy_m,
@@ -43,6 +48,7 @@ class Tool {
   }
 
   Eigen::Vector3d lever_m_ = Eigen::Vector3d::Zero();
+  bool in_hand_ = false;
 };
 
 }  // namespace forcebound::client

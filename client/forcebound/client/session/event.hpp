@@ -30,6 +30,7 @@ struct Event {
     no_torque,           ///< the device tells its orientation, but has no motors to turn it; text: its name
     device_back,         ///< it does again; `duration` is the time without
     follower_changed,    ///< the robot at the far end does something else: `follower`; text: how the operator engages
+    tool_lost,           ///< the scene has a tool in the hand, and the device does not tell its orientation
   };
 
   Kind kind = Kind::welcomed;

@@ -19,6 +19,7 @@ Renderer::Renderer(const Options& options, EventReporter& events)
 void Renderer::begin_session(const wire::Welcome& welcome) noexcept {
   server_parts_ = welcome.server_parts;
   tool_.set_lever(welcome.tool_m);
+  tool_lost_ = false;
   scene_offered_ = welcome.offer.manifest_bytes > 0;
   if (local_ != nullptr) local_->begin(welcome.session, welcome.offer);
 }
@@ -51,6 +52,7 @@ Renderer::Rendered Renderer::render(const Tick& tick) noexcept {
     at.share = policy_.scale(rendered.force_age);
     at.age = model_age(*tick.newest, tick);
   }
+  report_lost_tool(tick);
   const RequestRendering::Request& request = rendered.request;
   rendered.request = rendering_.render(tick.newest, at);
   if (local_ != nullptr && tick.point.place.allFinite()) report_scene(tick.now);
@@ -100,6 +102,12 @@ ServerNeed Renderer::need_of(const RequestRendering::Request& request, const Tic
           .speed_m_per_s = rendering_.answers().speed_m_per_s(),
           .hold = policy_.hold,
           .round_trip = tick.newest_arrival - ForceStream::reading_time(*tick.newest)};
+}
+
+void Renderer::report_lost_tool(const Tick& tick) noexcept {
+  if (tool_lost_ || !tool_.in_hand() || tick.reading.handle.orientation) return;
+  tool_lost_ = true;
+  events_.report(Event::Kind::tool_lost, tick.now);
 }
 
 void Renderer::report_scene(Nanoseconds now) noexcept {

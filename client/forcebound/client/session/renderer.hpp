@@ -78,6 +78,7 @@ class Renderer {
   [[nodiscard]] ForcePolicy policy_of(const RequestRendering::Request& request, const Tick& tick,
                                       Nanoseconds age) const noexcept;
   [[nodiscard]] ServerNeed need_of(const RequestRendering::Request& request, const Tick& tick) const noexcept;
+  void report_lost_tool(const Tick& tick) noexcept;
   void report_scene(Nanoseconds now) noexcept;
   void report_policy(ForcePolicy policy, Nanoseconds age, Nanoseconds now) noexcept;
 
@@ -86,6 +87,7 @@ class Renderer {
   EventReporter& events_;
   RequestRendering rendering_;
   Tool tool_;
+  bool tool_lost_ = false;  // reported in this session
   wire::ServerParts server_parts_ = wire::ServerParts::held;
   bool scene_offered_ = false;
   BuildPhase scene_phase_ = BuildPhase::nothing;

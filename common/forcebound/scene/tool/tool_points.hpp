@@ -27,9 +27,7 @@ inline constexpr double kToolReachMost_m = 0.5;
 /// The points of one part of a tool, no further apart along its surface than `spacing_m`.
 ///
 ///     ball      its middle alone, with its radius: exact against whatever is nearest to that
-///     capsule   points of its axis with its radius h apart: outside of its surface by nothing, within by r - sqrt(r^2
-///     -
-///               h^2 / 4)
+///     capsule   points of its axis, each with its radius r: with h between them, too small by r - sqrt(r^2 - h^2 / 4)
 ///     box       a grid on each face, with its edges and corners
 ///     cylinder  rings on the side and on both ends, with their middles
 ///     mesh      corners, edges and a grid on each triangle, none nearer to another one than half the spacing

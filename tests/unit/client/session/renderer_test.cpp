@@ -115,9 +115,19 @@ TEST_F(RendererOfThreeAxes, AsksForTheTorqueOfAForceAtTheToolsTip) {
   EXPECT_EQ(point.place, Eigen::Vector3d(0.01, 0, -0.1)) << "where the law wants it asked";
 }
 
-TEST_F(RendererOfThreeAxes, WithoutAnOrientationHasNoTool) {
+TEST_F(RendererOfThreeAxes, WithoutAnOrientationHasNoToolAndSaysSoOnceInASession) {
+  (void)render_after(1ms);
+  EXPECT_TRUE(events.kinds.empty());
   reading.handle.orientation.reset();
   EXPECT_EQ(renderer.point_of(reading, reading.position).tip, Eigen::Vector3d(0, 0, 0));
+  for (int i = 0; i < 3; ++i) (void)render_after(1ms);
+  EXPECT_EQ(events.kinds, (std::vector{Event::Kind::tool_lost}));
+  renderer.begin_session({.session = kSession + 1, .tool_m = Eigen::Vector3d(0, 0, 0)});
+  (void)render_after(1ms);
+  EXPECT_EQ(events.kinds, (std::vector{Event::Kind::tool_lost, Event::Kind::tool_lost}));
+  renderer.begin_session({.session = kSession + 2});
+  (void)render_after(1ms);
+  EXPECT_EQ(events.kinds.size(), 2U) << "without a tool there is nothing to say";
 }
 
 TEST_F(RendererOfThreeAxes, DoesNotAllocate) {
