@@ -6,8 +6,9 @@ bin=$root/build/release/bin
 cache=${XDG_CACHE_HOME:-$HOME/.cache}/forcebound
 gate_passed=$cache/gate-passed  # the commit that passed the gate (.ci/run) last
 
-# A clone in another place finds what this one has compiled, with precompiled headers too.
-export CCACHE_BASEDIR=$root CCACHE_NOHASHDIR=1 CCACHE_SLOPPINESS=pch_defines,time_macros
+# A clone in another place finds what this one has compiled, with precompiled headers too, whose times clang looks at.
+export CCACHE_BASEDIR=$root CCACHE_NOHASHDIR=1
+export CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime
 
 # As many tests at a time as the processors hold, of which each takes some tenths (deploy/cmake/ForceboundTest.cmake).
 test_tenths=$((10 * $(nproc)))
