@@ -49,6 +49,10 @@ target_compile_options(forcebound_options INTERFACE
 # another, and no program has the path of the machine that built it.
 target_compile_options(forcebound_options INTERFACE -ffile-prefix-map=${PROJECT_SOURCE_DIR}/=)
 target_compile_definitions(forcebound_options INTERFACE FORCEBOUND_VERSION="${PROJECT_VERSION}")
+# What sanitizers replace, such as malloc, is left to them; g++ says by itself which there are.
+if(CMAKE_CXX_COMPILER_ID MATCHES "Clang" AND CMAKE_CXX_FLAGS MATCHES "-fsanitize=[a-z,-]*address")
+  target_compile_definitions(forcebound_options INTERFACE __SANITIZE_ADDRESS__)
+endif()
 if(FORCEBOUND_WARNINGS_ARE_ERRORS AND "${CMAKE_CXX_COMPILER_ID}-${major}" STREQUAL developed_with)
   target_compile_options(forcebound_options INTERFACE -Werror)
 endif()
