@@ -99,7 +99,6 @@ class RenderedTicks final : public record::TickSink {
   void on_tick(const record::TickRecord& tick) noexcept override {
     at_client += tick.rendering != record::ForceOrigin::held ? 1 : 0;
   }
-  void on_force(const record::ForceRecord&) noexcept override {}
   double at_client = 0;
 };
 

@@ -29,7 +29,6 @@ class Forces final : public record::TickSink {
     if (step_N_ > 0) whole = whole && std::abs(std::remainder(force_N, step_N_)) <= 1e-12;
     pushed += force_N != 0;
   }
-  void on_force(const record::ForceRecord&) noexcept override {}
 
   bool finite = true;
   bool within = true;

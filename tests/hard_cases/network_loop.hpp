@@ -36,7 +36,6 @@ class NeverBroken final : public record::TickSink {
               tick.audit_minimum_J < -1e-9 || tick.energy_J > tick.audit_J + 1e-9;
     pushed += !tick.applied.isZero(0);
   }
-  void on_force(const record::ForceRecord&) noexcept override {}
 
   std::uint64_t broken = 0;
   std::uint64_t pushed = 0;

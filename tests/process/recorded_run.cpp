@@ -26,7 +26,6 @@ struct FirstTick final : record::RecordingSink {
   void on_start(const record::RunInfo&) override {}
   void on_end(const record::RunTotals&) override {}
   void on_tick(const record::TickRecord& tick) noexcept override { found = found || condition(tick); }
-  void on_force(const record::ForceRecord&) noexcept override {}
 
   const std::function<bool(const record::TickRecord&)>& condition;
   bool found = false;

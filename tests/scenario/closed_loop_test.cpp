@@ -30,7 +30,6 @@ class Invariants final : public record::TickSink {
     bounded = bounded && tick.applied.norm() <= force_N_max_ * (1 + 1e-12);
     last = tick;
   }
-  void on_force(const record::ForceRecord&) noexcept override {}
 
   bool finite = true;
   bool bounded = true;

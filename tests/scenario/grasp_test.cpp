@@ -35,7 +35,6 @@ class Felt final : public record::TickSink {
       }
     }
   }
-  void on_force(const record::ForceRecord&) noexcept override {}
 
   // In which `carry` has lifted and carries.
   static constexpr Nanoseconds kLiftedFrom = 5s;

@@ -43,8 +43,6 @@ class WrenchMeter final : public record::TickSink {
     torque_off_ += (tick.request_torque_N_m - torque_N_m).squaredNorm();
   }
 
-  void on_force(const record::ForceRecord& /*force*/) noexcept override {}
-
   [[nodiscard]] double force_error() const { return std::sqrt(force_off_ / force_); }
   [[nodiscard]] double torque_error() const { return std::sqrt(torque_off_ / torque_); }
   [[nodiscard]] double torque_sum() const { return torque_; }

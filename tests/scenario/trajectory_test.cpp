@@ -39,7 +39,6 @@ class TrajectoryHash final : public record::TickSink {
     add(tick.energy_J);
     add(tick.audit_J);
   }
-  void on_force(const record::ForceRecord& /*force*/) noexcept override {}
   [[nodiscard]] std::string text() const {
     std::array<char, 20> digits{};
     std::snprintf(digits.data(), digits.size(), "%016llx", static_cast<unsigned long long>(hash_));

@@ -21,7 +21,6 @@ namespace forcebound::library {
 class NewestTick final : public record::TickSink {
  public:
   void on_tick(const record::TickRecord& tick) noexcept override { newest_.store(tick); }
-  void on_force(const record::ForceRecord& /*force*/) noexcept override {}
 
   /// Any other thread; number 0: there was none.
   [[nodiscard]] record::TickRecord get();

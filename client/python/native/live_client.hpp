@@ -21,7 +21,6 @@ class KeptTicks final : public record::TickSink {
   KeptTicks(RowShape shape, std::size_t rows_max);
 
   void on_tick(const record::TickRecord& tick) noexcept override;
-  void on_force(const record::ForceRecord& /*force*/) noexcept override {}
 
   /// A copy of the rows from `first` on.
   [[nodiscard]] py::array since(std::size_t first) const;

@@ -75,7 +75,7 @@ class TickSink {
  public:
   virtual ~TickSink() = default;
   virtual void on_tick(const TickRecord& tick) noexcept = 0;
-  virtual void on_force(const ForceRecord& force) noexcept = 0;
+  virtual void on_force(const ForceRecord&) noexcept {}
 };
 
 }  // namespace forcebound::record

@@ -45,7 +45,6 @@ class LawsFigure {
   struct Curves final : record::TickSink {
     Curves(std::string of_law, std::string below) : law(std::move(of_law)), heading(std::move(below)) {}
     void on_tick(const record::TickRecord& tick) noexcept override;
-    void on_force(const record::ForceRecord&) noexcept override {}
 
     std::string law;
     std::string heading;

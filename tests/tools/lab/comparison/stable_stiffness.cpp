@@ -50,7 +50,6 @@ class Swing final : public record::TickSink {
     if (s >= 0.5 && s < 1) early_m = std::max(early_m, tick.position.norm());
     if (s >= 2.5 && s < 3) late_m = std::max(late_m, tick.position.norm());
   }
-  void on_force(const record::ForceRecord&) noexcept override {}
 
   double early_m = 0;
   double late_m = 0;

@@ -55,7 +55,6 @@ class RestMeter final : public record::TickSink {
     if (!contact_ && tick.contact) contact_ = tick.time;
     if (contact_ && tick.time >= *contact_ + settle_) force_N_.add(tick.applied.norm());
   }
-  void on_force(const record::ForceRecord&) noexcept override {}
 
   [[nodiscard]] double restlessness() const { return std::sqrt(force_N_.variance()) / force_N_.mean(); }
 
@@ -69,7 +68,6 @@ class RestMeter final : public record::TickSink {
 class Questions final : public record::TickSink {
  public:
   void on_tick(const record::TickRecord& tick) noexcept override { ticks.push_back(tick); }
-  void on_force(const record::ForceRecord&) noexcept override {}
   std::vector<record::TickRecord> ticks;
 };
 

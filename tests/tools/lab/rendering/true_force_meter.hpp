@@ -44,7 +44,6 @@ class TrueForceMeter final : public record::TickSink {
       : truth_(scene, degrees_of_freedom), from_s_(from_s) {}
 
   void on_tick(const record::TickRecord& tick) noexcept override;
-  void on_force(const record::ForceRecord&) noexcept override {}
 
   /// Of the ticks alone; what was sent is not known here.
   [[nodiscard]] RenderingFigures figures() const;

@@ -58,7 +58,6 @@ class ForceLog final : public record::TickSink {
     forces_N.push_back(tick.applied.rows() > 0 ? tick.applied[0] : 0);
     deviation_m = std::max(deviation_m, tick.model_deviation_m);
   }
-  void on_force(const record::ForceRecord&) noexcept override {}
 
   std::vector<double> forces_N;
   double deviation_m = 0;

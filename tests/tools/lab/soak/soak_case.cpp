@@ -186,7 +186,6 @@ std::vector<control::Vector> forces_of_another_run(ClosedLoop::Settings settings
   class Forces final : public record::TickSink {
    public:
     void on_tick(const record::TickRecord& tick) noexcept override { forces.push_back(tick.request); }
-    void on_force(const record::ForceRecord&) noexcept override {}
     std::vector<control::Vector> forces;
   };
   settings.environment = sim::EnvironmentSetting{.name = "bang-bang", .force_N_max = settings.device.facts.force_N_max};

@@ -8,7 +8,6 @@ namespace forcebound::lab {
 class LastTick final : public record::TickSink {
  public:
   void on_tick(const record::TickRecord& tick) noexcept override { tick_ = tick; }
-  void on_force(const record::ForceRecord& /*force*/) noexcept override {}
   [[nodiscard]] const record::TickRecord& tick() const noexcept { return tick_; }
 
  private:

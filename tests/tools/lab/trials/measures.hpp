@@ -15,7 +15,6 @@ class RingingMeter final : public record::TickSink {
   explicit RingingMeter(double unfelt_N = 0) : unfelt_N_(unfelt_N) {}
 
   void on_tick(const record::TickRecord& tick) noexcept override;
-  void on_force(const record::ForceRecord&) noexcept override {}
 
   /// [s]; nothing if there was no contact.
   [[nodiscard]] std::optional<double> ringing_s() const;
@@ -33,7 +32,6 @@ class RingingMeter final : public record::TickSink {
 class DirectionMeter final : public record::TickSink {
  public:
   void on_tick(const record::TickRecord& tick) noexcept override;
-  void on_force(const record::ForceRecord&) noexcept override {}
 
   [[nodiscard]] double error_rad_max() const noexcept { return error_rad_max_; }
 

@@ -31,7 +31,6 @@ class PushMeter final : public record::TickSink {
     const double speed = velocity.norm();
     if (speed > kStill_m_per_s) push_N = std::max(push_N, tick.applied.dot(velocity) / speed);
   }
-  void on_force(const record::ForceRecord&) noexcept override {}
 
   std::function<control::Vector()> velocity_of;
   double push_N = 0;
@@ -44,7 +43,6 @@ class PushMeter final : public record::TickSink {
 class ForceTrace final : public record::TickSink {
  public:
   void on_tick(const record::TickRecord& tick) noexcept override { applied_N.push_back(tick.applied); }
-  void on_force(const record::ForceRecord&) noexcept override {}
 
   std::vector<control::Vector> applied_N;
 };

@@ -59,7 +59,6 @@ class Path final : public record::TickSink {
   void on_tick(const record::TickRecord& tick) noexcept override {
     if (tick.position.rows() == 3) heights_m.push_back(tick.position[2]);
   }
-  void on_force(const record::ForceRecord&) noexcept override {}
   std::vector<double> heights_m;
 };
 

@@ -19,7 +19,6 @@ class Along final : public record::TickSink {
     if (tick.local.rows() == 3) local_N[tick.time] = tick.local[0];
     if (tick.local.rows() == 3 && tick.force_sequence != 0) remote_N[tick.time - tick.force_age] = tick.remote[0];
   }
-  void on_force(const record::ForceRecord&) noexcept override {}
   std::map<Nanoseconds, double> local_N;
   std::map<Nanoseconds, double> remote_N;  // by the time of the motion that it answers
 };

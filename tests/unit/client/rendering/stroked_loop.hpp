@@ -40,7 +40,6 @@ class Watch final : public record::TickSink {
     if (tick.applied.norm() > 0.01 && first_force == Nanoseconds::zero()) first_force = tick.time;
     last = tick;
   }
-  void on_force(const record::ForceRecord&) noexcept override {}
 
   int ticks = 0;
   int local = 0;

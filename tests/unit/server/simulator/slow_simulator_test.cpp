@@ -61,7 +61,6 @@ class Felt final : public record::TickSink {
     depth_m.push_back(std::max(0.0, -tick.position[2]));
     if (all_N.size() > 1) jump_N = std::max(jump_N, (all_N.back() - all_N[all_N.size() - 2]).norm());
   }
-  void on_force(const record::ForceRecord& /*force*/) noexcept override {}
 
   std::vector<Point> all_N;
   std::vector<double> depth_m;  ///< below where the surface was at first
