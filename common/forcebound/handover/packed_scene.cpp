@@ -28,6 +28,7 @@ struct Cut {
 };
 
 void fill_tool(const scene::Tool& from, v1::SceneTool* to) {
+  to->set_by_penalty(from.contact() == scene::ToolContact::penalty);
   for (const scene::ToolPoint& point : from.points()) {
     for (const double number : {point.at_m.x(), point.at_m.y(), point.at_m.z(), point.radius_m}) to->add_point(number);
   }

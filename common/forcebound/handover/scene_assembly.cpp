@@ -61,7 +61,8 @@ std::shared_ptr<const scene::Tool> tool_of(const v1::SceneTool& from) try {
   std::vector<scene::ToolPoint> points;
   for (int i = 0; i < from.point_size(); i += kNumbers)
     points.push_back({Point(from.point(i), from.point(i + 1), from.point(i + 2)), from.point(i + 3)});
-  return std::make_shared<const scene::Tool>(std::move(points));
+  const auto contact = from.by_penalty() ? scene::ToolContact::penalty : scene::ToolContact::constraint;
+  return std::make_shared<const scene::Tool>(std::move(points), contact);
 } catch (const std::invalid_argument& error) {
   throw HandoverError(error.what());
 }
@@ -248,7 +249,7 @@ scene::SceneObject SceneAssembly::Parts::make_object(std::size_t number, Assembl
   made.coverage.emplace_back();
   made.exact.emplace_back();
   scene::SceneObject object = without_shape(part, true, registry, axes());
-  object.tool_radius_m = tool ? tool->radius_m_max() : 0;
+  object.tool_reach_m = tool ? tool->reach_of_points_m() : 0;
   if (has_geometry) {
     give_shape(object, number, part.geometry() - 1, made);
   } else {
@@ -305,7 +306,7 @@ void SceneAssembly::Parts::give_shape(scene::SceneObject& object, std::size_t nu
   check_bytes();
   made.exact.back() = last.coverage;
   if (last.coarse.shape) {
-    double reach_m = object.tool_radius_m;
+    double reach_m = object.tool_reach_m;
     for (const scene::RequestedEffect& effect : object.effects)
       reach_m = std::max(reach_m, effect.effect->facts().reach_m);
     object.shape =

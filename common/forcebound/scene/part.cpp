@@ -9,7 +9,7 @@ namespace forcebound::scene {
 
 SceneObject make_part(const PartDescription& description, const Registry& registry, Eigen::Index axes,
                       const std::string& folder, const ShapeGeometry& geometry) {
-  SceneObject part{.name = description.name, .tool_radius_m = description.tool_radius_m};
+  SceneObject part{.name = description.name, .tool_reach_m = description.tool_reach_m};
   const bool is_object = description.shape.has_value();
   for (const NamedValues& effect : description.effects) {
     add_effect(part, effect_kind(registry, effect.name, is_object, part), effect.values, axes);
@@ -85,7 +85,7 @@ void set_shape(SceneObject& part, const ShapeKind& kind, const config::Values& g
     throw std::invalid_argument("a " + std::string(kind.name) + " is not made of " +
                                 (geometry.mesh ? "triangles" : "heights"));
   }
-  ShapePurpose purpose{.reach_m = part.tool_radius_m, .folder = folder, .geometry = geometry};
+  ShapePurpose purpose{.reach_m = part.tool_reach_m, .folder = folder, .geometry = geometry};
   for (const RequestedEffect& effect : part.effects) {
     purpose.reach_m = std::max(purpose.reach_m, effect.effect->facts().reach_m);
   }

@@ -21,7 +21,7 @@ struct PartDescription {
   std::string name;
   std::optional<NamedValues> shape{};  ///< none: a field
   std::vector<NamedValues> effects{};
-  double tool_radius_m = 0;  ///< SceneObject::tool_radius_m
+  double tool_reach_m = 0;  ///< SceneObject::tool_reach_m
 };
 
 /// Makes the described part. Every value is checked.

@@ -29,7 +29,9 @@ void Plan::add(const SceneObject& part) {
   step.end = here();
   step.end_state = keep(0);
   for (const RequestedEffect& requested : part.effects) {
-    step.reach_m = std::max(step.reach_m, requested.effect->facts().reach_m);
+    const EffectFacts facts = requested.effect->facts();
+    step.reach_m = std::max(step.reach_m, facts.reach_m);
+    step.solid = step.solid || (facts.solid && !field);
   }
   steps_.push_back(step);
 }

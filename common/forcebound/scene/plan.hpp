@@ -23,7 +23,7 @@ struct RequestedEffect {
 struct SceneObject {
   std::string name;
   std::string shape_kind{};
-  double tool_radius_m = 0;       ///< the largest of a tool's points, which touch from so far outside
+  double tool_reach_m = 0;        ///< Tool::reach_of_points_m
   config::Values shape_values{};  ///< as they were given, without presets
   std::string shape_text{};       ///< "sphere, center_m [0, 0, 0], radius_m 0.02"
   std::unique_ptr<Shape> shape{};
@@ -42,6 +42,7 @@ struct PlannedEffect {
 /// states follow each other in the same order.
 struct PlanStep {
   const Shape* shape;  ///< null: a field, whose effects all lie between `begin` and `near_end`
+  bool solid;          ///< an object of which an effect is
   double reach_m;      ///< largest reach of its effects above the surface
   std::uint32_t begin;
   std::uint32_t near_end;

@@ -85,6 +85,7 @@ Answer SceneState::answer(const Vector& position, Nanoseconds device_time, Nanos
   answer.model.by_device_clock = wants_model && !shares_dynamic_models_;
   quarantined_.clear();
   contacts_ = 0;
+  if (tool_ && handle.orientation) tool_->meet(scene_->plan(), steps_, bytes_);
   Totals totals;
   feel_steps(probe, totals, answer);
   FeltAt felt_at{.moment = shares_dynamic_models_ ? server_time : device_time};

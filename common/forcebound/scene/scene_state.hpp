@@ -61,6 +61,9 @@ class SceneState {
   /// Points of the tool that the last answer found in contact, counted for each object; 1 or 0 of an ordinary point.
   [[nodiscard]] std::size_t contacts() const noexcept { return contacts_; }
 
+  /// Where the tool was simulated for the last answer (ToolProxy); null: where the device has it.
+  [[nodiscard]] const ToolPose* simulated_tool() const noexcept { return tool_ ? tool_->simulated() : nullptr; }
+
   /// Names of the parts that the last answer left out, as do those after it; of most none. Valid until the next one.
   [[nodiscard]] std::span<const std::string* const> quarantined() const noexcept { return quarantined_; }
 

@@ -72,6 +72,7 @@ struct EffectFacts {
   double stiffening_N_per_m2 = 0;  ///< increase of K per metre of depth
   double damping_N_s_per_m = 0;    ///< B, largest slope of the force over velocity
   bool drives = false;             ///< an energy source: no damping makes it passive
+  bool solid = false;              ///< pushes out of the object: no body goes in
 
   /// Whether its force fades while the server is silent, where a client renders it: so should what moves the device on
   /// and on. What is felt as a thing that is there stays: a surface with its ripples, a spring, a weight.

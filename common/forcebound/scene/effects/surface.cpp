@@ -25,6 +25,7 @@ class Surface final : public Effect {
             .stiffness_N_per_m = stiffness_N_per_m_,
             .stiffening_N_per_m2 = 2 * stiffening_N_per_m2_,
             .damping_N_s_per_m = damping_N_s_per_m_,
+            .solid = true,
             .cost_ns = 6};
   }
 

@@ -1,6 +1,7 @@
 #include "forcebound/scene/tool/tool.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <string>
 
@@ -13,6 +14,9 @@ namespace {
 /// Of a leaf: asking about a ball costs as much as asking about a point.
 constexpr std::size_t kLeaf = 4;
 
+/// Of a tool that is as good as a point: turning it costs nothing.
+constexpr double kSpreadLeast_m = 1e-3;
+
 void check(const ToolPoint& point) {
   if (point.at_m.allFinite() && point.radius_m >= 0 && point.at_m.norm() + point.radius_m <= kToolReachMost_m) return;
   throw std::invalid_argument("a tool for a hand lies within " + text::to_text(kToolReachMost_m) +
@@ -22,7 +26,7 @@ void check(const ToolPoint& point) {
 
 }  // namespace
 
-Tool::Tool(std::vector<ToolPoint> points) : points_(std::move(points)) {
+Tool::Tool(std::vector<ToolPoint> points, ToolContact contact) : points_(std::move(points)), contact_(contact) {
   if (points_.empty()) throw std::invalid_argument("a tool must have at least one point");
   if (points_.size() > kToolPointsMost) {
     throw std::invalid_argument("a tool may have at most " + std::to_string(kToolPointsMost) + " points, got " +
@@ -35,6 +39,16 @@ Tool::Tool(std::vector<ToolPoint> points) : points_(std::move(points)) {
   }
   nodes_.reserve(2 * points_.size());
   build(0, points_.size());
+  // In the order of the tree, for the same digits at both ends.
+  const auto count = static_cast<double>(points_.size());
+  for (const ToolPoint& point : points_) centre_m_ += point.at_m / count;
+  double squares_m2 = 0;
+  for (const ToolPoint& point : points_) {
+    const double distance_m = (point.at_m - centre_m_).norm();
+    squares_m2 += distance_m * distance_m;
+    reach_from_centre_m_ = std::max(reach_from_centre_m_, distance_m);
+  }
+  spread_m_ = std::max(kSpreadLeast_m, std::sqrt(squares_m2 / count));
 }
 
 void Tool::build(std::size_t first, std::size_t end) {

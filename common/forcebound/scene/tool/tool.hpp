@@ -18,19 +18,40 @@ struct ToolPose {
   [[nodiscard]] Point operator*(const Point& in_handle_m) const noexcept { return tip_m + rotation * in_handle_m; }
 };
 
+/// How a tool touches what is solid.
+enum class ToolContact : std::uint8_t {
+  constraint,  ///< as one body with a simulated pose that stays outside (ToolProxy)
+  penalty,     ///< by the depth of each point, on its own
+};
+
 /// A rigid tool with a shape: the points with which it touches, in a tree of balls about them. Immutable.
 class Tool {
  public:
+  /// A point's distance from a surface is wanted so far outside, where the simulated pose may go in one step.
+  static constexpr double kAhead_m = 2e-3;
+
   /// @throws std::invalid_argument for no points, more than kToolPointsMost, and one that is not finite, of a radius
   /// below zero or further from the tip than kToolReachMost_m
-  explicit Tool(std::vector<ToolPoint> points);
+  explicit Tool(std::vector<ToolPoint> points, ToolContact contact = ToolContact::constraint);
+
+  [[nodiscard]] ToolContact contact() const noexcept { return contact_; }
 
   /// In the order of the tree: those near to each other follow each other.
   [[nodiscard]] std::span<const ToolPoint> points() const noexcept { return points_; }
 
   /// No point's ball reaches further from the tip [m].
   [[nodiscard]] double reach_m() const noexcept { return reach_m_; }
-  [[nodiscard]] double radius_m_max() const noexcept { return radius_m_max_; }
+  /// Of points from a surface, for ShapePurpose [m].
+  [[nodiscard]] double reach_of_points_m() const noexcept {
+    return radius_m_max_ + (contact_ == ToolContact::constraint ? kAhead_m : 0);
+  }
+
+  /// The middle of its points, from the tip [m].
+  [[nodiscard]] const Point& centre_m() const noexcept { return centre_m_; }
+  /// RMS distance of its points from that, at least 1 mm [m].
+  [[nodiscard]] double spread_m() const noexcept { return spread_m_; }
+  /// The largest one [m].
+  [[nodiscard]] double reach_from_centre_m() const noexcept { return reach_from_centre_m_; }
 
   /// Appends to `near` the numbers of all points that may be nearer to the solid than `margin_m`, in ascending order.
   /// @param near has room for all points
@@ -53,8 +74,12 @@ class Tool {
 
   std::vector<ToolPoint> points_;
   std::vector<Node> nodes_;
+  ToolContact contact_;
   double reach_m_ = 0;
   double radius_m_max_ = 0;
+  Point centre_m_ = Point::Zero();
+  double spread_m_ = 0;
+  double reach_from_centre_m_ = 0;
 };
 
 }  // namespace forcebound::scene

@@ -15,6 +15,7 @@ ToolTouch::ToolTouch(std::shared_ptr<const Tool> tool, const Plan& plan)
   }
   tree_.reserve(points);
   near_.reserve(points);
+  if (tool_->contact() == ToolContact::constraint) proxy_.emplace(tool_, plan);
 }
 
 void ToolTouch::move(const ToolPose& pose) noexcept {
@@ -28,16 +29,19 @@ void ToolTouch::begin_again() noexcept {
     visited.points.clear();
     visited.touching.clear();
   }
+  if (proxy_) proxy_->begin_again();
   placed_ = false;
 }
 
 bool ToolTouch::go_on_from(const ToolTouch& other) noexcept {
   if (other.tool_->points().size() != tool_->points().size() || other.visited_.size() != visited_.size()) return false;
+  if (other.proxy_.has_value() != proxy_.has_value()) return false;
   // No larger than what was reserved, so nothing is allocated.
   for (std::size_t i = 0; i < visited_.size(); ++i) {
     visited_[i].points = other.visited_[i].points;
     visited_[i].touching = other.visited_[i].touching;
   }
+  if (proxy_) proxy_->go_on_from(*other.proxy_);
   pose_ = other.pose_;
   before_ = other.before_;
   placed_ = other.placed_;
@@ -60,6 +64,7 @@ void ToolTouch::find_near(const PlanStep& step, const Visited& before) noexcept 
 ToolFelt ToolTouch::feel(const Plan& plan, std::size_t number, const Probe& at_tip,
                          std::span<std::byte> states) noexcept {
   const PlanStep& step = plan.steps()[number];
+  if (proxy_ && step.solid) return feel_solid(step, number, plan, at_tip, states);
   Visited& visited = visited_[number];
   find_near(step, visited);
   const auto run_of = [&](std::uint32_t point) { return PlanRun(plan, states.data() + point * plan.state_bytes()); };
@@ -68,41 +73,62 @@ ToolFelt ToolTouch::feel(const Plan& plan, std::size_t number, const Probe& at_t
   }
   visited.touching.clear();
   ToolFelt felt;
-  for (const std::uint32_t point : near_) {
-    const PlanRun run = run_of(point);
-    if (moved_ && !std::ranges::binary_search(visited.points, point))
-      run.begin_outside(step, before_ * tool_->points()[point].at_m);
-    const std::size_t contacts = felt.contacts;
-    add(step, point, run, at_tip, felt);
-    if (felt.contacts > contacts) visited.touching.push_back(point);
+  for (const std::uint32_t number_of_point : near_) {
+    const ToolPoint& point = tool_->points()[number_of_point];
+    const PlanRun run = run_of(number_of_point);
+    if (moved_ && !std::ranges::binary_search(visited.points, number_of_point))
+      run.begin_outside(step, before_ * point.at_m);
+    Touching touching{.number = number_of_point,
+                      .surface = run.find_surface(step, pose_ * point.at_m),
+                      .arm_m = pose_.rotation * point.at_m};
+    touching.surface.penetration_m += point.radius_m;
+    add(step, touching, run, at_tip, felt);
+    if (touching.surface.penetration_m > 0) visited.touching.push_back(number_of_point);
   }
   std::swap(visited.points, near_);
   return felt;
 }
 
-void ToolTouch::add(const PlanStep& step, std::uint32_t number, const PlanRun& run, Probe probe,
+ToolFelt ToolTouch::feel_solid(const PlanStep& step, std::size_t number, const Plan& plan, const Probe& at_tip,
+                               std::span<std::byte> states) const noexcept {
+  const std::span<const ToolProxy::Near> near = proxy_->near(number);
+  Point missing_m = Point::Zero();
+  for (const ToolProxy::Near& one : near) missing_m += one.share_m * one.surface.normal;
+  const double together_m = missing_m.norm();
+  const Point from_tip_m = proxy_->centre_m() - pose_.tip_m;
+  ToolFelt felt;
+  for (const ToolProxy::Near& one : near) {
+    Touching touching{.number = one.point, .surface = one.surface, .arm_m = from_tip_m + one.arm_m};
+    touching.surface.penetration_m = one.share_m > 0 ? one.share_m : std::min(0.0, one.surface.penetration_m);
+    // Sides that face each other push apart what is between them, each as if it were alone.
+    if (one.share_m < together_m) touching.share = one.share_m / together_m;
+    add(step, touching, {plan, states.data() + one.point * plan.state_bytes()}, at_tip, felt);
+  }
+  return felt;
+}
+
+void ToolTouch::add(const PlanStep& step, const Touching& touching, const PlanRun& run, Probe probe,
                     ToolFelt& felt) const noexcept {
-  const ToolPoint& point = tool_->points()[number];
-  const Point arm_m = pose_.rotation * point.at_m;
-  probe.position_m = pose_.tip_m + arm_m;
+  const Point& at_m = tool_->points()[touching.number].at_m;
+  probe.position_m = pose_ * at_m;
+  probe.normal = touching.surface.normal;
+  probe.penetration_m = touching.surface.penetration_m;
   probe.velocity_m_per_s = Point::Zero();
   if (moved_ && probe.interval_s > 0) {
-    const Point velocity_m_per_s = (probe.position_m - before_ * point.at_m) / probe.interval_s;
+    Point velocity_m_per_s = (probe.position_m - before_ * at_m) / probe.interval_s;
+    velocity_m_per_s -= (1 - touching.share) * velocity_m_per_s.dot(probe.normal) * probe.normal;
     // The difference of two finite positions may overflow.
     if (velocity_m_per_s.allFinite()) probe.velocity_m_per_s = velocity_m_per_s;
   }
-  SurfacePoint surface = run.find_surface(step, probe.position_m);
-  surface.penetration_m += point.radius_m;
-  probe.normal = surface.normal;
-  probe.penetration_m = surface.penetration_m;
   Reaction reaction;
   run.act(step, probe, reaction);
   felt.reaction.force_N += reaction.force_N;
   felt.reaction.fading_N += reaction.fading_N;
-  felt.torque_N_m += arm_m.cross(reaction.force_N);
-  if (!(surface.penetration_m > 0)) return;
+  const Point along_N = reaction.force_N.dot(probe.normal) * probe.normal;
+  felt.torque_N_m += touching.arm_m.cross(along_N) + (probe.position_m - pose_.tip_m).cross(reaction.force_N - along_N);
+  if (!(touching.surface.penetration_m > 0)) return;
   ++felt.contacts;
-  if (surface.penetration_m > felt.deepest.penetration_m) felt.deepest = surface;
+  if (touching.surface.penetration_m > felt.deepest.penetration_m) felt.deepest = touching.surface;
 }
 
 }  // namespace forcebound::scene

@@ -3,11 +3,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "forcebound/scene/plan_run.hpp"
-#include "forcebound/scene/tool/tool.hpp"
+#include "forcebound/scene/tool/tool_proxy.hpp"
 
 namespace forcebound::scene {
 
@@ -21,17 +22,22 @@ struct ToolFelt {
 
 /// The tool of one client, which touches objects with all of its points:
 ///
-///     F = sum of f_i,   torque = sum of (R p_i) x f_i,   f_i the effects at x_tip + R p_i, deeper by the point's
-///     radius
+///     F = sum of f_i,   torque = sum of r_i x f_i,   f_i the effects on the point, r_i from the tip to it
 ///
 /// so that the power is that of the points, sum f_i . v_i = F . v_tip + torque . w. The force of a point with a radius
-/// acts at its middle: a ball rolls without feeling it. Every point has states of its own and is as stiff as an
-/// ordinary point: more of them that touch are stiffer [penalty by points: McNeely et al., "Six Degree-of-Freedom
-/// Haptic Rendering Using Voxel Sampling", SIGGRAPH 1999].
+/// acts at its middle: a ball rolls without feeling it. Every point has states of its own.
 ///
-/// An object is asked about those points alone that the tree of the tool does not show to be clear of it, by as much as
-/// the tool moved: so no point passes through a thin wall unseen. A point that comes near begins outside, where it was
-/// before; one that leaves forgets what it felt. Those that touched are asked again in any case.
+/// ToolContact::constraint: what is solid is touched as a body (ToolProxy). A point is as deep as its share, and has
+/// that share of its speed along the normal: the tool is as stiff and as damped as one point. What pushes along the
+/// normal acts where the tool is simulated, so that it is the slope of an energy; what acts along the surface, at the
+/// point whose way it is about.
+///
+/// ToolContact::penalty, and what is not solid: a point is as deep as where the device has it, and deeper by its
+/// radius; more of them that touch are stiffer [penalty by points: McNeely et al., "Six Degree-of-Freedom Haptic
+/// Rendering Using Voxel Sampling", SIGGRAPH 1999]. An object is asked about those points alone that the tree of the
+/// tool does not show to be clear of it, by as much as the tool moved: so no point passes through a thin wall unseen. A
+/// point that comes near begins outside, where it was before; one that leaves forgets what it felt. Those that touched
+/// are asked again in any case.
 ///
 /// Real time: noexcept, no allocation; O(points near the object) and Tool::find_near.
 class ToolTouch {
@@ -42,6 +48,14 @@ class ToolTouch {
 
   /// All points are where they are now; what was felt before is the place before.
   void move(const ToolPose& pose) noexcept;
+
+  /// What is solid is met there. Before it is felt. @param steps of the plan that are felt @param states as of `feel`
+  void meet(const Plan& plan, std::span<const std::uint32_t> steps, std::span<std::byte> states) noexcept {
+    if (proxy_) proxy_->follow(pose_, plan, steps, states);
+  }
+
+  /// Where the tool is simulated; null: where the device has it.
+  [[nodiscard]] const ToolPose* simulated() const noexcept { return proxy_ ? &proxy_->pose() : nullptr; }
 
   /// As if the tool had never touched anything. Its points' states are the caller's to forget.
   void begin_again() noexcept;
@@ -60,10 +74,22 @@ class ToolTouch {
     std::vector<std::uint32_t> touching;  // of them
   };
 
+  /// A point, as its effects see it.
+  struct Touching {
+    std::uint32_t number;
+    SurfacePoint surface;
+    Point arm_m;       // from the tip to where it pushes
+    double share = 1;  // of its speed along the normal
+  };
+
+  [[nodiscard]] ToolFelt feel_solid(const PlanStep& step, std::size_t number, const Plan& plan, const Probe& at_tip,
+                                    std::span<std::byte> states) const noexcept;
   void find_near(const PlanStep& step, const Visited& before) noexcept;
-  void add(const PlanStep& step, std::uint32_t number, const PlanRun& run, Probe probe, ToolFelt& felt) const noexcept;
+  void add(const PlanStep& step, const Touching& touching, const PlanRun& run, Probe probe,
+           ToolFelt& felt) const noexcept;
 
   std::shared_ptr<const Tool> tool_;
+  std::optional<ToolProxy> proxy_;
   std::vector<Visited> visited_;     // of each step
   std::vector<std::uint32_t> tree_;  // room for all
   std::vector<std::uint32_t> near_;  // likewise

@@ -72,8 +72,8 @@ void parse_shape(config::CheckedTable& part, const scene::Registry& registry, sc
 }
 
 scene::SceneObject parse_part(config::CheckedTable& part, const std::string& name, bool is_object,
-                              const scene::Registry& registry, Eigen::Index axes, double tool_radius_m) {
-  scene::SceneObject made{.name = name, .tool_radius_m = tool_radius_m};
+                              const scene::Registry& registry, Eigen::Index axes, double tool_reach_m) {
+  scene::SceneObject made{.name = name, .tool_reach_m = tool_reach_m};
   // The values are read below, with their places; here the keys become known, and a missing one is told.
   (void)part.given((is_object ? object_table() : field_table()).keys, axes);
   const config::Node::List& effects = part.list("effects");

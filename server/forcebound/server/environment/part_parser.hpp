@@ -13,11 +13,11 @@ namespace forcebound::server {
 
 /// Reads an [[object]] or a [[field]] made of registered shapes and effects.
 /// @param axes of the scene
-/// @param tool_radius_m the largest of the points that touch it
+/// @param tool_reach_m of the points that touch it, Tool::reach_of_points_m
 /// @throws SceneError
 [[nodiscard]] scene::SceneObject parse_part(config::CheckedTable& part, const std::string& name, bool is_object,
                                             const scene::Registry& registry, Eigen::Index axes,
-                                            double tool_radius_m = 0);
+                                            double tool_reach_m = 0);
 
 /// Reads the table `shape` of a part.
 /// @throws SceneError

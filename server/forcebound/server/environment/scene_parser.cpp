@@ -76,11 +76,11 @@ class Parser {
     scene::SceneFacts facts = parse_facts(file.table("scene", "scene"));
     facts.hash = hash;
     parse_tool(file, registry_, facts);
-    const double tool_radius_m = facts.tool ? facts.tool->radius_m_max() : 0;
+    const double tool_reach_m = facts.tool ? facts.tool->reach_of_points_m() : 0;
     const Eigen::Index axes = facts.degrees_of_freedom == scene::kAnyDegreesOfFreedom ? 1 : facts.degrees_of_freedom;
     scene::SceneParts parts;
     file.each("object", [&](CheckedTable& object, const std::string& name) {
-      parts.objects.push_back(parse_part(object, name, true, registry_, axes, tool_radius_m));
+      parts.objects.push_back(parse_part(object, name, true, registry_, axes, tool_reach_m));
     });
     file.each("field", [&](CheckedTable& field, const std::string& name) {
       parts.fields.push_back(parse_part(field, name, false, registry_, axes));

@@ -35,13 +35,16 @@ std::vector<scene::ToolPoint> parse_tool_part(CheckedTable& part, const std::str
 config::TableDescription tool_table() {
   return {"`[tool]`",
           "The rigid tool in the hand, in the axes of a handle that tells its orientation. It touches objects with the "
-          "points of its parts, without a part with its tip; fields act at the tip. Every point is as stiff as the "
-          "object.",
+          "points of its parts, without a part with its tip; fields act at the tip.",
           {config::OtherParameter{.key = "tip_m",
                                   .meaning = "from the grip to the tip",
                                   .accepted = "`[x, y, z]`, each from -0.5 to 0.5",
                                   .absent = "`[0, 0, 0]`"},
-           config::positive_number("spacing_m", "of the points of its surface", scene::kToolReachMost_m, 2e-3)}};
+           config::positive_number("spacing_m", "of the points of its surface", scene::kToolReachMost_m, 2e-3),
+           config::ChoiceParameter{.key = "contact",
+                                   .meaning = "`constraint`: it stays outside of what is solid as a body, as stiff as "
+                                              "one point; `penalty`: each point pushes by its own depth",
+                                   .choices = {"constraint", "penalty"}}}};
 }
 
 config::TableDescription tool_part_table() {
@@ -56,7 +59,8 @@ void parse_tool(CheckedTable& file, const scene::Registry& registry, scene::Scen
   if (file.find("tool") == nullptr) return;
   CheckedTable tool = file.table("tool", "tool");
   if (facts.degrees_of_freedom != kSpace) tool.fail("a tool needs a scene with degrees_of_freedom = 3");
-  const double spacing_m = config::completed(tool_table().keys, tool.given(tool_table().keys)).number("spacing_m");
+  const config::Values given = config::completed(tool_table().keys, tool.given(tool_table().keys));
+  const double spacing_m = given.number("spacing_m");
   std::vector<scene::ToolPoint> points;
   tool.each("part", [&](CheckedTable& part, const std::string& name) {
     const std::vector<scene::ToolPoint> more = parse_tool_part(part, name, registry, spacing_m);
@@ -67,7 +71,9 @@ void parse_tool(CheckedTable& file, const scene::Registry& registry, scene::Scen
   facts.tool_m = tool.vector({.key = "tip_m", .preset = 0, .least = -kLongest_m, .most = kLongest_m}, kSpace);
   tool.refuse_unknown_keys();
   if (points.empty()) return;
-  tool.built_at(tool.node(), [&] { facts.tool = std::make_shared<const scene::Tool>(std::move(points)); });
+  const auto contact =
+      given.text("contact") == "penalty" ? scene::ToolContact::penalty : scene::ToolContact::constraint;
+  tool.built_at(tool.node(), [&] { facts.tool = std::make_shared<const scene::Tool>(std::move(points), contact); });
 }
 
 void check_tool(CheckedTable& file, const scene::SceneFacts& facts, const scene::SceneParts& parts) {

@@ -14,9 +14,12 @@
 
 namespace forcebound::scene {
 
-/// An object of 1 N/mm and more effects.
+inline constexpr double kPush_N_per_m = 1e3;
+inline constexpr double kPressed_m = 1e-3;
+
+/// An object of kPush_N_per_m and more effects.
 inline PartDescription pushing(const std::string& name, NamedValues shape, std::vector<NamedValues> more = {}) {
-  PartDescription part{.name = name, .shape = std::move(shape), .effects = {{"surface", {{"stiffness_N_per_m", 1e3}}}}};
+  PartDescription part{.name = name, .shape = std::move(shape), .effects = {{"surface", {{"stiffness_N_per_m", kPush_N_per_m}}}}};
   for (NamedValues& effect : more) part.effects.push_back(std::move(effect));
   return part;
 }
@@ -27,12 +30,13 @@ inline PartDescription plane(std::vector<NamedValues> more = {}) {
 
 /// @param tool no points: an ordinary point
 inline std::shared_ptr<const Scene> scene_with(const std::vector<PartDescription>& objects,
-                                               const std::vector<ToolPoint>& tool, const ShapeGeometry& geometry = {}) {
+                                               const std::vector<ToolPoint>& tool, const ShapeGeometry& geometry = {},
+                                               ToolContact contact = ToolContact::penalty) {
   SceneFacts facts{.name = "tool", .description = ""};
-  if (!tool.empty()) facts.tool = std::make_shared<const Tool>(tool);
+  if (!tool.empty()) facts.tool = std::make_shared<const Tool>(tool, contact);
   SceneParts parts;
   for (PartDescription object : objects) {
-    object.tool_radius_m = facts.tool ? facts.tool->radius_m_max() : 0;
+    object.tool_reach_m = facts.tool ? facts.tool->reach_of_points_m() : 0;
     const bool of_mesh = object.shape->name == "mesh" || object.shape->name == "distance_field";
     parts.objects.push_back(make_part(object, Registry::standard(), 3, {}, of_mesh ? geometry : ShapeGeometry{}));
   }
@@ -51,6 +55,11 @@ inline Answer touch_at(const std::shared_ptr<const Scene>& scene, const Point& t
 
 inline std::vector<ToolPoint> points_of(std::string_view kind, const config::Values& values, double spacing_m) {
   return points_of_part(kind, values, {}, spacing_m);
+}
+
+/// Of 40 x 20 x 30 mm about the tip; with as many points as it has corners, unless they are to be nearer to each other.
+inline std::vector<ToolPoint> block(double spacing_m = 0.05) {
+  return points_of("box", {{"center_m", Point(0, 0, 0)}, {"size_m", Point(0.04, 0.02, 0.03)}}, spacing_m);
 }
 
 }  // namespace forcebound::scene

@@ -15,14 +15,7 @@
 namespace forcebound::scene {
 namespace {
 
-constexpr double kPush_N_per_m = 1e3;
-constexpr double kPressed_m = 1e-3;
-
 using std::chrono::milliseconds;
-
-std::vector<ToolPoint> block() {
-  return points_of("box", {{"center_m", Point(0, 0, 0)}, {"size_m", Point(0.04, 0.02, 0.03)}}, 0.05);
-}
 
 Eigen::Quaterniond random_turn(std::mt19937_64& random) {
   std::normal_distribution<double> normal;

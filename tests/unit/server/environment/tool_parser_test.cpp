@@ -56,7 +56,7 @@ TEST_F(ToolParser, TakesATipAndSeveralParts) {
   EXPECT_EQ(made->facts().tool_m, control::Vector(scene::Point(0, 0.01, -0.1)));
   ASSERT_NE(made->facts().tool, nullptr);
   EXPECT_EQ(made->facts().tool->points().size(), 9U);
-  EXPECT_EQ(made->facts().tool->radius_m_max(), 0.003);
+  EXPECT_EQ(made->facts().tool->reach_of_points_m(), 0.003 + scene::Tool::kAhead_m);
   EXPECT_THAT(explain(*made), HasSubstr("touches with 9 points, all within 26 mm of that"));
   EXPECT_EQ(suggested_hand(made).device, "arm-6dof");
 }
