@@ -38,9 +38,9 @@ void Recorder::on_force(const ForceRecord& force) noexcept { push(force); }
 void Recorder::on_motion(const MotionRecord& motion) noexcept { push(motion); }
 void Recorder::on_sent(const SentForceRecord& force) noexcept { push(force); }
 
-std::size_t Recorder::drain(RecordingWriter& writer) {
-  const auto write = [&writer](const Item& item) {
-    std::visit([&writer](const auto& record) { writer.write(record); }, item);
+std::size_t Recorder::drain(TopicEncoder& encoder) {
+  const auto write = [&encoder](const Item& item) {
+    std::visit([&encoder](const auto& record) { encoder.write(record); }, item);
   };
   std::size_t written = 0;
   while (queue_->items.consume_one(write)) ++written;  // one by one, so that each makes room at once

@@ -10,7 +10,7 @@
 
 namespace forcebound::record {
 
-/// Carries records from a thread that must never wait to one that writes them to disk.
+/// Carries records from a thread that must never wait to one that writes them to disk or to viewers.
 ///
 /// Between them is a bounded lock-free queue; when it is full, a record is dropped and counted. One thread calls the
 /// `on_` functions, one other thread `drain`, for example every 100 ms.
@@ -32,7 +32,8 @@ class Recorder final : public TickSink {
   void on_sent(const SentForceRecord& force) noexcept;
 
   /// Writes all waiting records, in order; returns their number.
-  std::size_t drain(RecordingWriter& writer);
+  std::size_t drain(TopicEncoder& encoder);
+  std::size_t drain(RecordingWriter& writer) { return drain(writer.encoder()); }
 
   /// Records that found the queue full. Any thread.
   [[nodiscard]] std::uint64_t dropped() const noexcept { return dropped_.load(std::memory_order_relaxed); }

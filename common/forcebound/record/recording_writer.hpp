@@ -9,8 +9,7 @@
 #include "forcebound/record/mcap_format.hpp"
 #include "forcebound/record/run_info.hpp"
 #include "forcebound/record/scene_part.hpp"
-#include "forcebound/record/server_records.hpp"
-#include "forcebound/record/tick_record.hpp"
+#include "forcebound/record/topic_encoder.hpp"
 
 namespace forcebound::record {
 
@@ -22,10 +21,7 @@ struct RecordedFile {
 };
 
 /// Writes a recording: an MCAP file with Protocol Buffers messages, which Foxglove, PlotJuggler and the official
-/// readers open. A client's has the topics /tick and /force, a server's /motion and /force.
-///
-/// Beside them are pictures for Foxglove's 3D panel, by its own schemas: /scene whenever that is told, and 60 times a
-/// second of the records' time /device, where a device's tip is, and /arrows, the forces on it, 10 mm for each newton.
+/// readers open, with the topics of TopicEncoder.
 ///
 /// Chunks are compressed with zstd unless another is said.
 ///
@@ -46,13 +42,15 @@ class RecordingWriter {
   RecordingWriter(RecordingWriter&&) noexcept;
   RecordingWriter& operator=(RecordingWriter&&) noexcept;
 
-  void write(const TickRecord& tick);
-  void write(const ForceRecord& force);
-  void write(const MotionRecord& motion);
-  void write(const SentForceRecord& force);
+  template <class Record>
+  void write(const Record& record) {
+    encoder().write(record);
+  }
 
   /// How the scene looks from now on, in place of what was told before.
-  void write_scene(std::span<const ScenePart> parts, Nanoseconds at);
+  void write_scene(std::span<const ScenePart> parts, Nanoseconds at) { encoder().write_scene(parts, at); }
+
+  [[nodiscard]] TopicEncoder& encoder() noexcept;
 
   /// A file within the recording, for people: a scene, a device.
   void attach(const RecordedFile& file, Nanoseconds at);

@@ -16,9 +16,6 @@ namespace forcebound::record {
 
 using time::Nanoseconds;
 
-inline constexpr std::string_view kSceneUpdateSchema = "foxglove.SceneUpdate";
-inline constexpr std::string_view kFrameTransformSchema = "foxglove.FrameTransform";
-
 /// The frame that all positions are in.
 inline constexpr std::string_view kSceneFrame = "scene";
 

@@ -5,22 +5,16 @@
 
 #include "forcebound/record/server_records.hpp"
 #include "forcebound/record/tick_record.hpp"
+#include "forcebound/record/topics.hpp"
 
 /// Records as Protocol Buffers messages of proto/forcebound/v1. Private to this folder.
 namespace forcebound::record {
 
-inline constexpr std::string_view kTickSchema = "forcebound.v1.TickRecord";
-inline constexpr std::string_view kForceSchema = "forcebound.v1.ForceRecord";
-inline constexpr std::string_view kMotionSchema = "forcebound.v1.MotionSample";
 /// Of a force that was sent in recordings of before 0.3; now it is a ForceRecord without a time of receipt.
 inline constexpr std::string_view kEarlierSentForceSchema = "forcebound.v1.EnvironmentForce";
 
-inline constexpr std::string_view kProtobufEncoding = "protobuf";
 inline constexpr const char* kInfoMetadata = "forcebound.run";
 inline constexpr const char* kTotalsMetadata = "forcebound.totals";
-
-/// The serialized FileDescriptorSet that a reader needs to understand this message.
-std::string schema_of(std::string_view message_name);
 
 std::string encode(const TickRecord& tick);
 std::string encode(const ForceRecord& force);

@@ -7,7 +7,7 @@
 
 #include "forcebound/time/clock.hpp"
 
-/// When pictures are due. Private to this folder.
+/// When pictures are due.
 namespace forcebound::record {
 
 using time::Nanoseconds;
