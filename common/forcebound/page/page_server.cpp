@@ -16,8 +16,9 @@
 #include <vector>
 
 #include "forcebound/page/internal/connection.hpp"
+#include "forcebound/page/internal/line_viewer.hpp"
 #include "forcebound/page/internal/owner.hpp"
-#include "forcebound/page/internal/viewer.hpp"
+#include "forcebound/page/internal/socket_viewer.hpp"
 
 namespace forcebound::page {
 namespace {
@@ -44,8 +45,13 @@ struct SharedCounts {
 
 }  // namespace
 
-struct PageServer::Parts final : internal::Owner, Viewers {
-  Parts(const Settings& chosen, Subject& shown) : settings_(chosen), subject_(shown), acceptor_(io_), timer_(io_) {
+struct PageServer::Parts final : internal::Owner {
+  Parts(const Settings& chosen, Subject& shown, const Subprotocol& subprotocol)
+      : settings_(chosen), subprotocol_(subprotocol.name), acceptor_(io_), timer_(io_) {
+    groups_.emplace_back(*this, shown, internal::Audience::page);
+    if (subprotocol.subject != nullptr) {
+      groups_.emplace_back(*this, *subprotocol.subject, internal::Audience::subprotocol);
+    }
     listen();
     let_in_.reserve(settings_.limits.connections + 1);
     hosts_.emplace(settings_.host, port_);
@@ -99,7 +105,7 @@ struct PageServer::Parts final : internal::Owner, Viewers {
       const auto next = timer_.expiry() + kBeat;
       timer_.expires_at(std::max(next, decltype(timer_)::clock_type::now()));
       accept_some();
-      guarded([this] { subject_.beat(*this); });
+      for (Group& group : groups_) guarded([&group] { group.subject().beat(group); });
       for (const auto& viewer : snapshot()) viewer->beat();
       wait_for_beat();
     });
@@ -156,7 +162,7 @@ struct PageServer::Parts final : internal::Owner, Viewers {
   [[nodiscard]] const HostCheck& hosts() const noexcept override { return *hosts_; }
   [[nodiscard]] std::string metrics() override {
     std::string text;
-    guarded([&] { text = subject_.metrics(); });
+    guarded([&] { text = groups_.front().subject().metrics() + own_metrics(); });
     return text;
   }
   void answered(bool refused) noexcept override {
@@ -173,47 +179,99 @@ struct PageServer::Parts final : internal::Owner, Viewers {
   [[nodiscard]] bool has_room_for_viewer() const noexcept override {
     return viewers_.size() < settings_.limits.viewers;
   }
-  void admit(internal::beast::tcp_stream stream, const internal::Request& request) override {
+  [[nodiscard]] const std::string& subprotocol() const noexcept override { return subprotocol_; }
+  void admit(internal::beast::tcp_stream stream, const internal::Request& request, internal::Way way,
+             internal::Audience audience) override {
     const ViewerId id = ++last_viewer_;
-    const auto viewer = std::make_shared<internal::Viewer>(id, std::move(stream), *this);
+    std::shared_ptr<internal::Viewer> viewer;
+    if (way == internal::Way::lines) {
+      viewer = std::make_shared<internal::LineViewer>(id, std::move(stream), *this, audience);
+    } else {
+      viewer = std::make_shared<internal::SocketViewer>(id, std::move(stream), *this, audience);
+    }
     viewers_.emplace(id, viewer);
     viewer->start(request);
   }
   void joined(internal::Viewer& viewer) override {
     ++counts_.viewers;
-    guarded([&] { subject_.greet(viewer.id(), *this); });
+    Group& group = group_of(viewer);
+    guarded([&] { group.subject().greet(viewer.id(), group); });
   }
   void left(internal::Viewer& viewer) noexcept override {
     const ViewerId id = viewer.id();
+    Group& group = group_of(viewer);
     viewers_.erase(id);
-    subject_.leave(id);
+    group.subject().leave(id);
   }
-  void received(internal::Viewer& viewer, std::string_view text) override {
+  void received(internal::Viewer& viewer, std::string_view content, internal::Form form) override {
     ++counts_.messages;
-    guarded([&] { subject_.receive(viewer.id(), text, *this); });
+    Group& group = group_of(viewer);
+    guarded([&] {
+      if (form == internal::Form::text) {
+        group.subject().receive(viewer.id(), content, group);
+      } else {
+        group.subject().receive_binary(viewer.id(), content, group);
+      }
+    });
   }
   void count_skipped() noexcept override { ++counts_.skipped; }
   void count_dropped() noexcept override { ++counts_.viewers_dropped; }
-
-  // Viewers.
-
-  void send(ViewerId id, Text text, Worth worth) override {
-    const auto found = viewers_.find(id);
-    if (found == viewers_.end()) return;
-    const auto viewer = found->second;  // it may leave meanwhile
-    viewer->send(text, worth);
-  }
-  void send_to_all(Text text, Worth worth) override {
-    for (const auto& viewer : snapshot()) viewer->send(text, worth);
-  }
-  [[nodiscard]] std::size_t count() const noexcept override { return viewers_.size(); }
 
   [[nodiscard]] std::uint16_t port() const noexcept { return port_; }
   [[nodiscard]] const SharedCounts& counts() const noexcept { return counts_; }
 
  private:
+  /// Those who look at one subject.
+  class Group final : public Viewers {
+   public:
+    Group(Parts& parts, Subject& subject, internal::Audience audience)
+        : parts_(parts), subject_(subject), audience_(audience) {}
+
+    [[nodiscard]] Subject& subject() const noexcept { return subject_; }
+
+    void send(ViewerId id, Text text, Worth worth) override { send(id, text, worth, internal::Form::text); }
+    void send_binary(ViewerId id, Text content, Worth worth) override {
+      send(id, content, worth, internal::Form::binary);
+    }
+    void send_to_all(Text text, Worth worth) override {
+      for (const auto& viewer : parts_.snapshot()) {
+        if (viewer->audience() == audience_) viewer->send(text, worth, internal::Form::text);
+      }
+    }
+    [[nodiscard]] std::size_t count() const noexcept override {
+      return static_cast<std::size_t>(std::ranges::count_if(
+          parts_.viewers_, [this](const auto& one) { return one.second->audience() == audience_; }));
+    }
+
+   private:
+    void send(ViewerId id, const Text& text, Worth worth, internal::Form form) {
+      const auto found = parts_.viewers_.find(id);
+      if (found == parts_.viewers_.end()) return;
+      const auto viewer = found->second;  // it may leave meanwhile
+      viewer->send(text, worth, form);
+    }
+
+    Parts& parts_;
+    Subject& subject_;
+    internal::Audience audience_;
+  };
+
+  /// By Audience.
+  Group& group_of(const internal::Viewer& viewer) noexcept {
+    return groups_[static_cast<std::size_t>(viewer.audience())];
+  }
+
+  [[nodiscard]] std::string own_metrics() const {
+    const auto line = [](const char* name, std::uint64_t count) {
+      return "forcebound_page_" + std::string(name) + "_total " + std::to_string(count) + "\n";
+    };
+    return line("refused", counts_.refused) + line("viewers", counts_.viewers) +
+           line("viewers_dropped", counts_.viewers_dropped) + line("skipped", counts_.skipped);
+  }
+
   Settings settings_;
-  Subject& subject_;
+  std::string subprotocol_;
+  std::vector<Group> groups_;
   std::optional<HostCheck> hosts_;
   std::uint16_t port_ = 0;
   SharedCounts counts_;
@@ -228,8 +286,8 @@ struct PageServer::Parts final : internal::Owner, Viewers {
   std::jthread thread_;
 };
 
-PageServer::PageServer(const Settings& settings, Subject& subject)
-    : parts_(std::make_unique<Parts>(settings, subject)) {}
+PageServer::PageServer(const Settings& settings, Subject& subject, const Subprotocol& subprotocol)
+    : parts_(std::make_unique<Parts>(settings, subject, subprotocol)) {}
 
 PageServer::~PageServer() = default;
 

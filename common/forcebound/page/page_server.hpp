@@ -26,19 +26,21 @@ struct Counts {
 ///     GET /?token=T          the page, index.html of the assets
 ///     GET /NAME              an asset; no token
 ///     GET /metrics?token=T   the subject's figures; or the token by `Authorization: Bearer T`
-///     GET /live?token=T      upgrade to a WebSocket: text messages between a viewer and the subject
+///     GET /live?token=T      upgrade to a WebSocket: text messages between a viewer and the subject. Without upgrade:
+///                            the subject's messages, one a line, in chunks
+///     GET /?token=T          upgrade to a WebSocket: the same; also of the subprotocol, which has its own subject
 ///
 /// Refused, each with one line of text: 400 what is no HTTP or is too long, 401 without the token, 403 by a host or
-/// origin that is not ours, 404, 405 all but GET, 413 a request with a body, 429 more viewers than may be, 431 headers
-/// too long, 503 the oldest of more connections than may be, those that have shown the token left out. No request names
-/// a path of the file system.
+/// origin that is not ours, but for the subprotocol, 404, 405 all but GET, 413 a request with a body, 429 more viewers
+/// than may be, 431 headers too long, 505 lines by HTTP/1.0, 503 the oldest of more connections than may be, those that
+/// have shown the token left out. No request names a path of the file system.
 class PageServer {
  public:
   using Settings = PageSettings;
 
-  /// Listens and starts the thread. `subject` must outlive it.
+  /// Listens and starts the thread. The subjects must outlive it.
   /// @throws std::runtime_error naming the address and why it cannot be listened at
-  PageServer(const Settings& settings, Subject& subject);
+  PageServer(const Settings& settings, Subject& subject, const Subprotocol& subprotocol = {});
   ~PageServer();
   PageServer(const PageServer&) = delete;
   PageServer& operator=(const PageServer&) = delete;

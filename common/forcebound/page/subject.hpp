@@ -19,11 +19,12 @@ enum class Worth : std::uint8_t {
   needed,  ///< kept; a viewer for which too much waits is disconnected
 };
 
-/// Whom a page can be sent to. For the functions of `Subject` alone.
+/// Whom a page can be sent to: those who look at one subject. For the functions of `Subject` alone.
 class Viewers {
  public:
   virtual ~Viewers() = default;
   virtual void send(ViewerId viewer, Text text, Worth worth) = 0;
+  virtual void send_binary(ViewerId viewer, Text content, Worth worth) = 0;
   virtual void send_to_all(Text text, Worth worth) = 0;
   [[nodiscard]] virtual std::size_t count() const noexcept = 0;
 };
@@ -40,6 +41,11 @@ class Subject {
   /// What a viewer sent: any text at all, up to the limit on a message.
   virtual void receive(ViewerId viewer, std::string_view text, Viewers& viewers) = 0;
 
+  /// The same as a binary message.
+  virtual void receive_binary(ViewerId viewer, std::string_view content, Viewers& viewers) {
+    (void)viewer, (void)content, (void)viewers;
+  }
+
   /// A viewer left, also while something was sent to it: to be taken note of, with nothing sent to anybody.
   virtual void leave(ViewerId viewer) noexcept { (void)viewer; }
 
@@ -48,6 +54,12 @@ class Subject {
 
   /// The figures of this moment in the text format of Prometheus.
   [[nodiscard]] virtual std::string metrics() = 0;
+};
+
+/// What those are shown who speak a subprotocol of WebSocket. Its metrics are not asked for.
+struct Subprotocol {
+  std::string name{};
+  Subject* subject = nullptr;  ///< null: there is none
 };
 
 }  // namespace forcebound::page

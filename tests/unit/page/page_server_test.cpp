@@ -3,10 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <atomic>
 #include <boost/asio/connect.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/read_until.hpp>
 #include <boost/asio/write.hpp>
 #include <boost/beast/core/buffers_to_string.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
@@ -71,6 +73,24 @@ struct Answer {
   http::response<http::string_body> whole;
 };
 
+/// What speakers of the subprotocol see: answers in binary what it is told so.
+class Elsewhere final : public Subject {
+ public:
+  void greet(ViewerId viewer, Viewers& viewers) override {
+    viewers.send(viewer, std::make_shared<const std::string>("elsewhere"), Worth::needed);
+  }
+  void receive(ViewerId, std::string_view, Viewers&) override {}
+  void receive_binary(ViewerId viewer, std::string_view content, Viewers& viewers) override {
+    viewers.send_binary(viewer, std::make_shared<const std::string>(content), Worth::needed);
+  }
+  void leave(ViewerId) noexcept override { ++left; }
+  void beat(Viewers& viewers) override { looking = viewers.count(); }
+  std::string metrics() override { return {}; }
+
+  std::atomic<std::size_t> looking{0};
+  std::atomic<int> left{0};
+};
+
 class PageServerTest : public testing::Test {
  protected:
   void start(const Limits& limits = {}) {
@@ -79,7 +99,7 @@ class PageServerTest : public testing::Test {
                                                    {"licences/a.txt", {"text/plain; charset=utf-8", "free"}},
                                                    {"big", {"text/plain", std::string(kBigBytes, 'x')}}},
                                         .limits = limits},
-                   echo);
+                   echo, Subprotocol{.name = "other.v1", .subject = &elsewhere});
   }
 
   [[nodiscard]] std::string host() const { return "127.0.0.1:" + std::to_string(server->port()); }
@@ -115,15 +135,22 @@ class PageServerTest : public testing::Test {
   using Stream = websocket::stream<Tcp::socket>;
 
   /// Null: it is refused.
-  std::unique_ptr<Stream> join() {
+  std::unique_ptr<Stream> join() { return join(kLive, "http://" + host(), ""); }
+
+  /// @param subprotocols offered; empty: none
+  std::unique_ptr<Stream> join(const char* target, const std::string& origin, const std::string& subprotocols) {
     auto stream = std::make_unique<Stream>(connected());
-    const std::string origin = "http://" + host();
-    stream->set_option(websocket::stream_base::decorator(
-        [origin](websocket::request_type& request) { request.set(http::field::origin, origin); }));
+    stream->set_option(websocket::stream_base::decorator([=](websocket::request_type& request) {
+      request.set(http::field::origin, origin);
+      if (!subprotocols.empty()) request.set(http::field::sec_websocket_protocol, subprotocols);
+    }));
     beast::error_code error;
-    stream->handshake(host(), kLive, error);
+    stream->handshake(chosen_, host(), target, error);
     return error ? nullptr : std::move(stream);
   }
+
+  /// The subprotocol that the server chose for the last viewer.
+  [[nodiscard]] std::string chosen() const { return std::string(chosen_[http::field::sec_websocket_protocol]); }
 
   /// The status with which somebody is refused who wants to be a viewer.
   unsigned refusal(const std::string& target, const std::string& headers = "") {
@@ -146,6 +173,8 @@ class PageServerTest : public testing::Test {
   }
 
   Echo echo;
+  Elsewhere elsewhere;
+  websocket::response_type chosen_;
   asio::io_context io;
   std::optional<PageServer> server;
 };
@@ -184,7 +213,7 @@ TEST_F(PageServerTest, RefusesWithAClearStatusAndALine) {
   const Answer posted = ask("POST / HTTP/1.1\r\nHost: " + host() + "\r\n\r\n");
   EXPECT_EQ(posted.status, 405);
   EXPECT_EQ(posted.whole[http::field::allow], "GET");
-  EXPECT_EQ(get(kLive).status, 400);
+  EXPECT_EQ(ask("GET " + std::string(kLive) + " HTTP/1.0\r\nHost: " + host() + "\r\n\r\n").status, 505);
   EXPECT_EQ(server->counts().refused, server->counts().requests);
 }
 
@@ -239,6 +268,55 @@ TEST_F(PageServerTest, RefusesViewersWithoutTokenOfOtherOriginsAndTooMany) {
     auto viewer = join();
     if (viewer) viewers.push_back(std::move(viewer));
     return viewers.size() == 4;
+  });
+}
+
+TEST_F(PageServerTest, ShowsSpeakersOfTheSubprotocolTheirOwnSubjectFromAnyOriginThatHasTheToken) {
+  start();
+  const std::string origin = "https://elsewhere.example";
+  const auto speaker = join(kPage, origin, "newer.v2, other.v1");
+  ASSERT_NE(speaker, nullptr);
+  EXPECT_EQ(chosen(), "other.v1");
+  const auto viewer = join();
+  ASSERT_NE(viewer, nullptr);
+  EXPECT_EQ(chosen(), "");
+  EXPECT_EQ(next(*speaker), "elsewhere");
+  EXPECT_EQ(next(*viewer), "hello");
+  wait_until([&] { return elsewhere.looking == 1; });
+  const std::string content("\x01\0\xff", 3);
+  speaker->binary(true);
+  speaker->write(asio::buffer(content));
+  EXPECT_EQ(next(*speaker), content);
+  EXPECT_TRUE(speaker->got_binary());
+  EXPECT_EQ(join(kPage, origin, ""), nullptr);
+  EXPECT_EQ(join("/?token=wrong", origin, "other.v1"), nullptr);
+  EXPECT_EQ(refusal("/", "Sec-WebSocket-Protocol: other.v1\r\n"), 401);
+  EXPECT_EQ(refusal(kPage, "Sec-WebSocket-Protocol: other.v2\r\n"), 400);
+  EXPECT_EQ(get(kPage, "Origin: " + origin + "\r\nSec-WebSocket-Protocol: other.v1\r\n").status, 403)
+      << "the page itself";
+  speaker->next_layer().close();
+  wait_until([&] { return elsewhere.left == 1 && elsewhere.looking == 0; });
+}
+
+TEST_F(PageServerTest, SendsALineForEachMessageToWhoAsksWithoutAWebSocket) {
+  start();
+  EXPECT_EQ(get("/live").status, 401);
+  Tcp::socket socket = connected();
+  asio::write(socket, asio::buffer("GET " + std::string(kLive) + " HTTP/1.1\r\nHost: " + host() + "\r\n\r\n"));
+  std::string received;
+  asio::read_until(socket, asio::dynamic_buffer(received), "6\r\nhello\n\r\n");
+  EXPECT_THAT(received, HasSubstr("200 OK"));
+  EXPECT_THAT(received, HasSubstr("Transfer-Encoding: chunked\r\n"));
+  echo.stream_bytes = 20;
+  received.clear();
+  asio::read_until(socket, asio::dynamic_buffer(received), "15\r\n" + std::string(20, 'x') + "\n\r\n");
+  EXPECT_EQ(server->counts().viewers, 1);
+  asio::write(socket, asio::buffer(std::string("more")));  // there is nothing to be said
+  wait_until([&] {
+    beast::error_code error;
+    std::array<char, 4096> rest{};
+    socket.read_some(asio::buffer(rest), error);
+    return static_cast<bool>(error);
   });
 }
 

@@ -64,17 +64,20 @@ class Connection : public std::enable_shared_from_this<Connection> {
     if (!owner_.hosts().accepts(host)) {
       return refuse(http::status::forbidden, "this page is not at the host that was asked for");
     }
+    const std::string_view target(request.target().data(), request.target().size());
+    const bool has_token = shows_token(request, target);
     const std::string_view origin = value(request, http::field::origin);
-    if (!origin.empty() && !owner_.hosts().accepts_origin(origin)) {
+    // Viewers that speak the subprotocol are pages from elsewhere. The token lets them in, which no browser adds
+    // itself.
+    const bool from_elsewhere = has_token && speaks_subprotocol(request);
+    if (!origin.empty() && !from_elsewhere && !owner_.hosts().accepts_origin(origin)) {
       return refuse(http::status::forbidden, "pages of another origin have no access");
     }
     if (request.method() != http::verb::get) return refuse(http::status::method_not_allowed, "GET is accepted alone");
-    const std::string_view target(request.target().data(), request.target().size());
     const std::string_view path = path_of(target);
-    const bool has_token = shows_token(request, target);
     if (has_token) owner_.let_in(*this);
     if (!has_token && (path == "/" || path == "/live" || path == "/metrics")) return refuse_without_token();
-    if (path == "/live") return answer_live(request);
+    if (path == "/live" || (path == "/" && is_upgrade(request))) return answer_live(request);
     if (path == "/metrics") return send(http::status::ok, "text/plain; version=0.0.4; charset=utf-8", owner_.metrics());
     const std::string_view name = path == "/" ? "index.html" : path.substr(path.starts_with('/') ? 1 : 0);
     const Assets& assets = owner_.settings().assets;
@@ -84,12 +87,28 @@ class Connection : public std::enable_shared_from_this<Connection> {
   }
 
   void answer_live(const Request& request) {
-    if (!beast::websocket::is_upgrade(request)) {
-      return refuse(http::status::bad_request, "this address is for a WebSocket");
+    constexpr unsigned kChunks = 11;  // since HTTP/1.1
+    const bool by_socket = is_upgrade(request);
+    if (!by_socket && request.version() < kChunks) {
+      return refuse(http::status::http_version_not_supported, "lines are sent by HTTP/1.1");
+    }
+    const bool has_subprotocol = speaks_subprotocol(request);
+    if (by_socket && !has_subprotocol && !value(request, http::field::sec_websocket_protocol).empty()) {
+      const std::string& known = owner_.subprotocol();
+      return refuse(http::status::bad_request,
+                    "unknown WebSocket subprotocol; accepted is " + (known.empty() ? "none" : known + ", or none"));
     }
     if (!owner_.has_room_for_viewer()) return refuse(http::status::too_many_requests, "too many viewers already");
     owner_.answered(false);
-    owner_.admit(std::move(stream_), request);
+    owner_.admit(std::move(stream_), request, by_socket ? Way::socket : Way::lines,
+                 has_subprotocol ? Audience::subprotocol : Audience::page);
+  }
+
+  static bool is_upgrade(const Request& request) { return beast::websocket::is_upgrade(request); }
+
+  [[nodiscard]] bool speaks_subprotocol(const Request& request) const {
+    if (owner_.subprotocol().empty() || !is_upgrade(request)) return false;
+    return http::token_list(request[http::field::sec_websocket_protocol]).exists(owner_.subprotocol());
   }
 
   [[nodiscard]] bool shows_token(const Request& request, std::string_view target) const {

@@ -24,6 +24,7 @@ class StoppedClock final : public time::Clock {
 class Collected final : public page::Viewers {
  public:
   void send(page::ViewerId, page::Text text, page::Worth) override { messages.push_back(Json::parse(*text)); }
+  void send_binary(page::ViewerId, page::Text, page::Worth) override {}
   void send_to_all(page::Text text, page::Worth) override { messages.push_back(Json::parse(*text)); }
   [[nodiscard]] std::size_t count() const noexcept override { return viewers; }
 

@@ -21,6 +21,7 @@ class StillClock final : public time::Clock {
 class Sent final : public page::Viewers {
  public:
   void send(page::ViewerId, page::Text text, page::Worth) override { kinds.push_back(Json::parse(*text)["kind"]); }
+  void send_binary(page::ViewerId, page::Text, page::Worth) override {}
   void send_to_all(page::Text text, page::Worth) override { kinds.push_back(Json::parse(*text)["kind"]); }
   [[nodiscard]] std::size_t count() const noexcept override { return viewers; }
   std::size_t viewers = 1;

@@ -39,6 +39,7 @@ std::string content_of(const std::filesystem::path& file) {
 class Collected final : public page::Viewers {
  public:
   void send(page::ViewerId, page::Text text, page::Worth) override { messages.push_back(Json::parse(*text)); }
+  void send_binary(page::ViewerId, page::Text, page::Worth) override {}
   void send_to_all(page::Text text, page::Worth) override { messages.push_back(Json::parse(*text)); }
   [[nodiscard]] std::size_t count() const noexcept override { return viewers; }
 
