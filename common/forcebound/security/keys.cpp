@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "forcebound/security/base64.hpp"
 #include "forcebound/security/internal/raw.hpp"
 
 namespace forcebound::security {
@@ -21,12 +22,7 @@ KeyPair key_pair_from(const KeyBytes& random) {
   return pair;
 }
 
-std::string to_base64(const KeyBytes& key) {
-  std::string text(kBase64Characters + 1, '\0');
-  ::sodium_bin2base64(text.data(), text.size(), raw(key), key.size(), kBase64);
-  text.pop_back();
-  return text;
-}
+std::string to_base64(const KeyBytes& key) { return base64_of(key); }
 
 bool from_base64(std::string_view text, KeyBytes& key) noexcept {
   // libsodium 1.0.18 takes some bytes beyond ASCII for characters of base64.

@@ -44,7 +44,10 @@ class LiveRun {
  public:
   LiveRun(const Options& options, const control::LawRegistry& laws, const device::DeviceRegistry& devices,
           const std::atomic<bool>& stop)
-      : options_(options), maker_(options, laws, devices), stop_(stop), page_(clock_) {
+      : options_(options),
+        maker_(options, laws, devices),
+        stop_(stop),
+        page_(clock_, time::wall_clock_now() - clock_.now()) {
     choice_ = maker_.first_choice();
     if (!options.relay_control.empty()) {
       relay_.emplace(options.relay_control, clock_);
@@ -52,7 +55,7 @@ class LiveRun {
     }
     const page::PageServer::Settings settings = page::page_settings(*options.page, text::program_path());
     if (const std::string why = page::missing_page(text::program_path()); !why.empty()) spdlog::warn("{}", why);
-    server_.emplace(settings, page_);
+    server_.emplace(settings, page_, page_.foxglove());
     std::fputs(("page: " + page::printed_address(server_->address()) + "\n").c_str(), stdout);
     std::fflush(stdout);
   }

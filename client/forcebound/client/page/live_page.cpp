@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <utility>
 #include <variant>
 
 #include "forcebound/text/printable.hpp"
+#include "forcebound/view/scene_parts.hpp"
 #include "forcebound/view/shown_scene.hpp"
 
 namespace forcebound::client {
@@ -16,13 +18,40 @@ namespace {
 // Of 60 a second.
 constexpr std::uint64_t kBeatsPerStatus = 15;
 constexpr std::uint64_t kBeatsPerMovement = 2;
-constexpr double kSceneEvery_s = 1;
+
+constexpr const char* kTooMany = "too many changes at once: wait until the last one is done";
 
 page::Text shared(std::string text) { return std::make_shared<const std::string>(std::move(text)); }
 
+/// @param here at this client @param server as the server tells; null: nothing is known
+view::ShownScene appearance_of(const view::ShownScene* here, const view::ShownScene* server) {
+  static const view::ShownScene kNothing;
+  const view::ShownScene& told = server != nullptr ? *server : kNothing;
+  return here != nullptr ? view::joined(*here, told) : told;
+}
+
+constexpr std::string_view kServicePrefix = "/choose/";
+
+std::vector<live::Service> services() {
+  std::vector<live::Service> all;
+  for (const Setting& setting : kSettings) {
+    all.push_back(
+        {.name = std::string(kServicePrefix) + std::string(setting.name), .schema = std::string(setting.schema)});
+  }
+  return all;
+}
+
 }  // namespace
 
-LivePage::LivePage(const time::Clock& clock) : clock_(clock), epoch_(clock.now()) {}
+LivePage::LivePage(const time::Clock& clock, time::Nanoseconds wall_clock)
+    : clock_(clock),
+      epoch_(clock.now()),
+      foxglove_({.name = "forcebound-client " FORCEBOUND_VERSION,
+                 .epoch = wall_clock,
+                 .topics = {record::Topic::tick, record::Topic::force, record::Topic::scene, record::Topic::device,
+                            record::Topic::arrows},
+                 .services = services()},
+                *this) {}
 
 double LivePage::now_s() const noexcept { return time::to_seconds(clock_.now() - epoch_); }
 
@@ -77,6 +106,7 @@ void LivePage::report(int track, const std::string& level, const std::string& te
 void LivePage::refuse(const std::string& about, const std::string& text) {
   const std::scoped_lock lock(lock_);
   queue(refused_message(about, text::printable(text)));
+  answer_call(text::printable(text));
 }
 
 std::optional<control::Vector> LivePage::take_begin() {
@@ -86,10 +116,55 @@ std::optional<control::Vector> LivePage::take_begin() {
 
 std::optional<page::Request> LivePage::take_request() {
   const std::scoped_lock lock(lock_);
-  if (requests_.empty()) return std::nullopt;
-  page::Request request = std::move(requests_.front());
-  requests_.pop_front();
-  return request;
+  answer_call({});
+  if (wishes_.empty()) return std::nullopt;
+  Wish wish = std::move(wishes_.front());
+  wishes_.pop_front();
+  call_in_hand_ = wish.call;
+  return std::move(wish.request);
+}
+
+/// Behind `lock_`.
+void LivePage::answer_call(const std::string& refusal) {
+  if (const auto call = std::exchange(call_in_hand_, std::nullopt)) answers_.emplace_back(*call, refusal);
+}
+
+bool LivePage::queue_wish(Wish wish) {
+  const std::scoped_lock lock(lock_);
+  if (wishes_.size() == kRequestsMost) return false;
+  wishes_.push_back(std::move(wish));
+  return true;
+}
+
+/// As the page's message `choose` would.
+void LivePage::call(std::uint64_t number, const live::Service& service, const std::string& value) {
+  try {
+    nlohmann::json message = nlohmann::json::parse(value, nullptr, false);
+    if (!message.is_object()) throw std::invalid_argument("a call needs a JSON object with value");
+    message["kind"] = "choose";
+    message["setting"] = service.name.substr(kServicePrefix.size());
+    const auto request = page::read_request(message.dump());
+    if (!queue_wish({.request = *request, .call = number})) foxglove_.answer(number, kTooMany);
+  } catch (const std::invalid_argument& error) {
+    foxglove_.answer(number, error.what());
+  }
+}
+
+void LivePage::write_new(record::TopicEncoder& to, bool wanted) {
+  std::vector<std::pair<std::uint64_t, std::string>> answers;
+  WrittenScene scene;
+  {
+    const std::scoped_lock lock(lock_);
+    answers.swap(answers_);
+    if (!scenes_.empty()) scene = {scenes_.front().here, scenes_.front().server};
+  }
+  for (const auto& [call, refusal] : answers) foxglove_.answer(call, refusal);
+  if (!tracks_.empty()) tracks_.front().shown.tap->records().drain(to, wanted);
+  const double now = now_s();
+  if (!wanted || scene == written_scene_ || now - scene_written_s_ < kSceneEvery_s) return;
+  written_scene_ = scene;
+  scene_written_s_ = now;
+  to.write_scene(view::parts_of(appearance_of(scene.here.get(), scene.server.get())), clock_.now());
 }
 
 /// What waits in the outbox goes to this viewer too, at the next beat.
@@ -165,13 +240,8 @@ void LivePage::act_on(const page::Request& request, page::ViewerId viewer, page:
     each_pointer([button](device::PointerTarget& pointer) { pointer.press(button->index, button->down); });
   } else if (std::holds_alternative<page::Choose>(request) || std::holds_alternative<page::Record>(request)) {
     const auto* const choice = std::get_if<page::Choose>(&request);
-    {
-      const std::scoped_lock lock(lock_);
-      if (requests_.size() < kRequestsMost) return requests_.push_back(request);
-    }
-    viewers.send(viewer,
-                 shared(refused_message(choice != nullptr ? choice->setting : "record",
-                                        "too many changes at once: wait until the last one is done")),
+    if (queue_wish({.request = request})) return;
+    viewers.send(viewer, shared(refused_message(choice != nullptr ? choice->setting : "record", kTooMany)),
                  page::Worth::stream);
   } else {
     viewers.send(viewer, shared(refused_message("message", "this is the page of a client")), page::Worth::stream);
@@ -240,8 +310,7 @@ void LivePage::show_scenes(page::Viewers& viewers) {
       here = scene.here;
       server = scene.server;
     }
-    static const view::ShownScene kNothing;
-    const view::ShownScene appearance = here ? view::joined(*here, server ? *server : kNothing) : *server;
+    const view::ShownScene appearance = appearance_of(here.get(), server.get());
     const page::Text message = shared(view::scene_message(static_cast<int>(i), appearance));
     viewers.send_to_all(message, page::Worth::needed);
     tracks_[i].assembly.report_all_again();
@@ -301,6 +370,10 @@ std::string LivePage::metrics() {
   std::string text;
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     tracks_[i].figures.add_metrics(text, static_cast<int>(i), tracks_[i].shown.tap->dropped());
+  }
+  if (!tracks_.empty()) {
+    text += "forcebound_client_records_dropped_total " +
+            std::to_string(tracks_.front().shown.tap->records().dropped()) + "\n";
   }
   return text;
 }

@@ -7,6 +7,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "forcebound/client/page/page_state.hpp"
@@ -14,6 +15,7 @@
 #include "forcebound/client/page/tick_tap.hpp"
 #include "forcebound/client/page/view_tap.hpp"
 #include "forcebound/device/simulated/pointer_operator.hpp"
+#include "forcebound/live/foxglove_subject.hpp"
 #include "forcebound/page/subject.hpp"
 #include "forcebound/time/clock.hpp"
 #include "forcebound/view/assembly.hpp"
@@ -37,15 +39,18 @@ struct ShownTrack {
 ///
 /// Any thread calls what is not a function of Subject; those are of the page's thread. The tick has a part in none of
 /// them: it fills the taps.
-class LivePage final : public page::Subject {
+class LivePage final : public page::Subject, private live::FoxgloveSubject::Source {
  public:
   /// Requests that wait for the program; more are refused.
   static constexpr std::size_t kRequestsMost = 8;
+  /// The least time between two pictures of a growing scene.
+  static constexpr double kSceneEvery_s = 1;
   /// Events that a viewer who comes later is told of.
   static constexpr std::size_t kEventsKept = 50;
 
   /// @param clock must outlive it; it gives time zero of the page
-  explicit LivePage(const time::Clock& clock);
+  /// @param wall_clock time [since 1970] at time zero of the clock
+  explicit LivePage(const time::Clock& clock, time::Nanoseconds wall_clock = {});
 
   /// Another run is shown from now on, its figures from zero.
   void begin_run(PageState state, std::vector<ShownTrack> tracks);
@@ -61,10 +66,14 @@ class LivePage final : public page::Subject {
   /// Where the server says that a hand begins in the scene of the run that is shown, once; nothing: it has not said.
   [[nodiscard]] std::optional<control::Vector> take_begin();
 
-  /// The oldest choice or wish for a recording that waits.
+  /// The oldest choice or wish for a recording that waits. The one before has been dealt with: it was refused
+  /// meanwhile, or is done.
   [[nodiscard]] std::optional<page::Request> take_request();
 
   [[nodiscard]] time::Nanoseconds epoch() const noexcept { return epoch_; }
+
+  /// The first track for viewers that speak Foxglove's protocol.
+  [[nodiscard]] page::Subprotocol foxglove() noexcept { return foxglove_.subprotocol(); }
 
   void greet(page::ViewerId viewer, page::Viewers& viewers) override;
   void leave(page::ViewerId viewer) noexcept override;
@@ -82,12 +91,28 @@ class LivePage final : public page::Subject {
     page::Text message{};
   };
 
+  struct WrittenScene {
+    std::shared_ptr<const view::ShownScene> here{};
+    std::shared_ptr<const view::ShownScene> server{};
+    friend bool operator==(const WrittenScene&, const WrittenScene&) = default;
+  };
+
   struct Track {
     ShownTrack shown;
     RunFigures figures;
     view::Assembly assembly{};
   };
 
+  /// What is to be done, for a page's viewer or for a call by Foxglove's protocol.
+  struct Wish {
+    page::Request request;
+    std::optional<std::uint64_t> call{};
+  };
+
+  void write_new(record::TopicEncoder& to, bool wanted) override;
+  void call(std::uint64_t number, const live::Service& service, const std::string& value) override;
+  [[nodiscard]] bool queue_wish(Wish wish);
+  void answer_call(const std::string& refusal);
   [[nodiscard]] double now_s() const noexcept;
   void queue(std::string message);
   void queue_hello();
@@ -111,7 +136,9 @@ class LivePage final : public page::Subject {
   std::size_t events_waiting_ = 0;  // of the newest events, in the outbox
   bool hello_waits_ = false;        // likewise
   std::deque<std::string> events_;
-  std::deque<page::Request> requests_;
+  std::deque<Wish> wishes_;
+  std::optional<std::uint64_t> call_in_hand_;                   // of the wish that was taken last
+  std::vector<std::pair<std::uint64_t, std::string>> answers_;  // to calls: why not, or nothing
   std::optional<control::Vector> begin_m_;
   bool closing_ = false;
 
@@ -121,6 +148,9 @@ class LivePage final : public page::Subject {
   page::ViewerId dragging_ = 0;                         // whose it is
   std::map<page::ViewerId, std::uint32_t> pressed_;     // buttons that viewers hold down
   std::uint64_t beats_ = 0;
+  live::FoxgloveSubject foxglove_;
+  WrittenScene written_scene_;  // for it
+  double scene_written_s_ = -kSceneEvery_s;
 };
 
 }  // namespace forcebound::client

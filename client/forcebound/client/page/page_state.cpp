@@ -50,8 +50,10 @@ PageChoice changed(const PageChoice& now, const page::Choose& choice, const Page
     }
     next.stiffness_N_per_m = *value;
   } else {
-    throw std::invalid_argument("unknown setting '" + choice.setting +
-                                "'; accepted are law, law_beside, scene, device, stiffness_N_per_m and network");
+    std::vector<std::string> settings;
+    for (const Setting& setting : kSettings) settings.emplace_back(setting.name);
+    throw std::invalid_argument("unknown setting '" + choice.setting + "'" +
+                                text::suggestion(choice.setting, settings));
   }
   return next;
 }

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "forcebound/page/request.hpp"
@@ -13,6 +15,22 @@ struct LawChoice {
   std::string name;
   std::string about;
 };
+
+/// A setting that can be chosen, with its values in JSON Schema.
+struct Setting {
+  std::string_view name;
+  std::string_view schema;
+};
+
+inline constexpr std::array<Setting, 6> kSettings{{
+    {"law", R"({"type":"string"})"},
+    {"law_beside", R"({"type":["string","null"]})"},
+    {"scene", R"({"type":["string","null"]})"},
+    {"device", R"({"type":"string"})"},
+    {"stiffness_N_per_m", R"({"type":"number"})"},
+    {"network", R"({"type":"object","properties":{"delay_ms":{"type":"number"},"jitter_ms":{"type":"number"},)"
+                R"("loss_percent":{"type":"number"}},"required":["delay_ms","jitter_ms","loss_percent"]})"},
+}};
 
 /// What can be chosen on a page; a list that is empty: that cannot be chosen.
 struct PageChoices {

@@ -37,10 +37,12 @@ TickTap::~TickTap() = default;
 
 void TickTap::on_tick(const record::TickRecord& tick) noexcept {
   touches_.store(tick.contact, std::memory_order_relaxed);
+  records_.on_tick(tick);
   if (!queues_->ticks.push(sampler_.sample(tick))) dropped_.fetch_add(1, std::memory_order_relaxed);
 }
 
 void TickTap::on_force(const record::ForceRecord& record) noexcept {
+  records_.on_force(record);
   if (!queues_->forces.push(sampler_.sample(record))) dropped_.fetch_add(1, std::memory_order_relaxed);
 }
 

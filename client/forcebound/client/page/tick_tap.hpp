@@ -8,6 +8,7 @@
 
 #include "forcebound/control/follower_state.hpp"
 #include "forcebound/control/handle.hpp"
+#include "forcebound/live/record_tap.hpp"
 #include "forcebound/record/tick_record.hpp"
 #include "forcebound/time/clock.hpp"
 
@@ -84,6 +85,9 @@ class TickTap final : public record::TickSink {
   void drain(const std::function<void(const ForceSample&)>& forces,
              const std::function<void(const TickSample&)>& ticks);
 
+  /// All of each tick and answer, for viewers that speak Foxglove's protocol.
+  [[nodiscard]] live::RecordTap& records() noexcept { return records_; }
+
   /// Whether the tip touched something at the newest tick. Any thread.
   [[nodiscard]] bool touches() const noexcept { return touches_.load(std::memory_order_relaxed); }
 
@@ -95,6 +99,7 @@ class TickTap final : public record::TickSink {
 
   std::unique_ptr<Queues> queues_;
   Sampler sampler_;  // of the tick's thread
+  live::RecordTap records_;
   std::atomic<bool> touches_{false};
   std::atomic<std::uint64_t> dropped_{0};
 };

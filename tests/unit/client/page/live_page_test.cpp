@@ -24,7 +24,7 @@ class StoppedClock final : public time::Clock {
 class Collected final : public page::Viewers {
  public:
   void send(page::ViewerId, page::Text text, page::Worth) override { messages.push_back(Json::parse(*text)); }
-  void send_binary(page::ViewerId, page::Text, page::Worth) override {}
+  void send_binary(page::ViewerId, page::Text content, page::Worth) override { binaries.push_back(*content); }
   void send_to_all(page::Text text, page::Worth) override { messages.push_back(Json::parse(*text)); }
   [[nodiscard]] std::size_t count() const noexcept override { return viewers; }
 
@@ -37,6 +37,7 @@ class Collected final : public page::Viewers {
   }
 
   std::vector<Json> messages;
+  std::vector<std::string> binaries;
   std::size_t viewers = 1;
 };
 
@@ -110,6 +111,60 @@ TEST_F(LivePageTest, TellsAViewerWhoComesBeforeTheFirstRunOfItOnceItBegins) {
   begin(1);
   live.beat(viewers);
   EXPECT_EQ(viewers.take_kinds().front(), "hello");
+}
+
+/// A call of the first service, /choose/law, by Foxglove's protocol.
+std::string call_for_law(const std::string& request) {
+  return std::string("\x02\x01\0\0\0\x09\0\0\0\x04\0\0\0json", 17) + request;
+}
+
+TEST_F(LivePageTest, AnswersACallOnceItsChoiceIsDealtWith) {
+  begin(1);
+  live.beat(viewers);
+  page::Subject& foxglove = *live.foxglove().subject;
+  foxglove.greet(5, viewers);
+  viewers.messages.clear();
+  foxglove.receive_binary(5, call_for_law(R"({"value":"none"})"), viewers);
+  const auto choice = live.take_request();
+  ASSERT_TRUE(choice);
+  EXPECT_EQ(std::get<page::Choose>(*choice).setting, "law");
+  EXPECT_EQ(std::get<page::Choose>(*choice).value, decltype(page::Choose::value)("none"));
+  foxglove.beat(viewers);
+  EXPECT_TRUE(viewers.binaries.empty()) << "nobody has dealt with it";
+  EXPECT_FALSE(live.take_request());
+  foxglove.beat(viewers);
+  EXPECT_EQ(viewers.binaries.size(), 1);
+  foxglove.receive_binary(5, call_for_law(R"({"value":"nothing"})"), viewers);
+  ASSERT_TRUE(live.take_request());
+  live.refuse("law", "unknown law");
+  EXPECT_FALSE(live.take_request());
+  foxglove.beat(viewers);
+  EXPECT_EQ(viewers.binaries.size(), 1);
+  ASSERT_EQ(viewers.messages.size(), 1);
+  EXPECT_EQ(viewers.messages[0]["message"], "unknown law");
+  for (std::size_t i = 0; i <= LivePage::kRequestsMost; ++i) {
+    foxglove.receive_binary(5, call_for_law(R"({"value":"none"})"), viewers);
+  }
+  foxglove.beat(viewers);
+  ASSERT_EQ(viewers.messages.size(), 2);
+  EXPECT_THAT(viewers.messages[1]["message"].get<std::string>(), HasSubstr("too many changes at once"));
+}
+
+TEST_F(LivePageTest, ShowsFoxgloveTheFirstTrackAndItsSceneWhileSomebodyLooks) {
+  begin(2);
+  live.set_scene(0, {.name = "wall"});
+  live.beat(viewers);
+  page::Subject& foxglove = *live.foxglove().subject;
+  tick(*taps[0]);
+  foxglove.beat(viewers);
+  foxglove.greet(5, viewers);
+  foxglove.receive(5, R"({"op":"subscribe","subscriptions":[{"id":1,"channelId":1},{"id":2,"channelId":3}]})", viewers);
+  foxglove.beat(viewers);
+  EXPECT_EQ(viewers.binaries.size(), 1) << "the scene alone, no tick of before";
+  tick(*taps[0]);
+  tick(*taps[1]);
+  foxglove.beat(viewers);
+  EXPECT_EQ(viewers.binaries.size(), 2);
 }
 
 TEST_F(LivePageTest, PointsTheHandsOfAllTracks) {

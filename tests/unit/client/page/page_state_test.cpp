@@ -54,7 +54,7 @@ TEST(PageChoice, IsRefusedWithWhatWouldBeAccepted) {
   EXPECT_THAT(refusal({"scene", std::string("/etc/passwd")}, choices), HasSubstr("unknown scene"));
   EXPECT_THAT(refusal({"stiffness_N_per_m", 1e9}, choices), HasSubstr("10 to 5000"));
   EXPECT_THAT(refusal({"stiffness_N_per_m", std::string("soft")}, choices), HasSubstr("10 to 5000"));
-  EXPECT_THAT(refusal({"colour", std::string("red")}, choices), HasSubstr("accepted are law"));
+  EXPECT_THAT(refusal({"colour", std::string("red")}, choices), HasSubstr("(known: law, law_beside"));
   EXPECT_THAT(refusal({"scene", std::string("wall")}, {}), HasSubstr("cannot be chosen"));
   EXPECT_THAT(refusal({.setting = "scene"}, {}), HasSubstr("cannot be chosen"));
   EXPECT_THAT(refusal({"law_beside", std::string("none")}, {}), HasSubstr("simulated device"));
