@@ -9,6 +9,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "forcebound/live/record_tap.hpp"
 #include "forcebound/page/duration_histogram.hpp"
 #include "forcebound/record/histogram.hpp"
 #include "forcebound/server/session/observer.hpp"
@@ -22,6 +23,9 @@ class PageObserver final : public ServerObserver {
  public:
   /// Both must outlive it.
   PageObserver(ServerObserver& next, const time::Clock& clock) : next_(next), clock_(clock) {}
+
+  /// Where motions and forces go while they are wanted there. Before the server starts; it must outlive the server.
+  void set_records(live::RecordTap& records) noexcept { records_ = &records; }
 
   /// What the whole server does, to be shown beside the sessions.
   struct Load {
@@ -100,6 +104,7 @@ class PageObserver final : public ServerObserver {
 
   ServerObserver& next_;
   const time::Clock& clock_;
+  live::RecordTap* records_ = nullptr;
   std::unordered_map<std::uint64_t, Figures> sessions_;    // by the session's number
   std::map<std::uint64_t, std::uint64_t> shown_;           // sessions by the page's number
   std::map<std::string, page::DurationHistogram> scenes_;  // of all sessions since the start

@@ -6,9 +6,14 @@
 #include <iostream>
 #include <new>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "forcebound/page/listen_address.hpp"
 #include "forcebound/text/file.hpp"
+#include "forcebound/time/steady_clock.hpp"
+#include "forcebound/view/scene_parts.hpp"
+#include "forcebound/view/shown_scene.hpp"
 
 namespace forcebound::server {
 namespace {
@@ -16,20 +21,31 @@ namespace {
 constexpr time::Nanoseconds kPeriod = std::chrono::milliseconds{500};
 constexpr time::Nanoseconds kMovementPeriod = std::chrono::milliseconds{33};
 
+std::vector<record::ScenePart> parts_of(const SceneLibrary& scenes, const std::string& name) {
+  const auto scene = scenes.find(name);
+  if (!scene) return {};
+  return view::parts_of(view::shown(*scene, view::Which::all));
+}
+
 }  // namespace
 
-PageTurn::PageTurn(const ProgramOptions& options, PageObserver& observer, const time::Clock& clock, LedRobot* robot)
+PageTurn::PageTurn(const ProgramOptions& options, PageObserver& observer, const time::Clock& clock, LedRobot* robot,
+                   const SceneLibrary& scenes, const std::string& scene)
     : observer_(observer),
       clock_(clock),
       robot_(robot),
       places_(options.server.sessions_max),
-      page_(clock, options.record),
+      page_(clock, {.recording = options.record,
+                    .wall_clock = time::wall_clock_now() - clock.now(),
+                    .parts_of = [scenes](const std::string& name) { return parts_of(scenes, name); }}),
       log_([this](const std::string& level, const std::string& text) { page_.report(level, text); }),
       shown_(clock.now()) {
   const page::PageServer::Settings settings = page::page_settings(*options.page, text::program_path());
   if (const std::string why = page::missing_page(text::program_path()); !why.empty()) spdlog::warn("{}", why);
   if (robot_ != nullptr) page_.set_robot(robot_->appearance());
-  served_.emplace(settings, page_);
+  page_.set_scene(scene);
+  observer.set_records(page_.records());
+  served_.emplace(settings, page_, page_.foxglove());
   std::cout << "page: " << page::printed_address(served_->address()) << std::endl;
 }
 
@@ -71,6 +87,7 @@ void PageTurn::turn(ServerWorkers& server) {
   try {
     const PageObserver::Snapshot seen = observer_.snapshot([&server] { return server.observer_lock(); });
     page_.show(seen.sessions_message(load), seen.metrics(load));
+    if (!seen.sessions.empty()) page_.set_scene(seen.sessions.back().info.scene);  // of who came last
   } catch (const std::bad_alloc&) {  // the page shows what it had; serving goes on
   }
 }

@@ -9,6 +9,7 @@
 #include "forcebound/server/app/options.hpp"
 #include "forcebound/server/app/page_observer.hpp"
 #include "forcebound/server/app/server_page.hpp"
+#include "forcebound/server/environment/scene_library.hpp"
 #include "forcebound/server/runtime/server_workers.hpp"
 #include "forcebound/time/clock.hpp"
 
@@ -20,7 +21,9 @@ class PageTurn {
   /// Serves the page and prints its address. All must outlive it.
   /// @param robot that is served and shown; null: there is none
   /// @throws std::runtime_error if it cannot be served there
-  PageTurn(const ProgramOptions& options, PageObserver& observer, const time::Clock& clock, LedRobot* robot);
+  /// @param scenes that sessions can have. @param scene what they get by default
+  PageTurn(const ProgramOptions& options, PageObserver& observer, const time::Clock& clock, LedRobot* robot,
+           const SceneLibrary& scenes, const std::string& scene);
 
   /// To be called after each turn of the server: twice a second it ends sessions as asked, and shows what is to those
   /// who look, the robot 30 times a second. While nobody does it costs nothing more.

@@ -355,7 +355,7 @@ int serve(ProgramOptions options) {
   spdlog::info("{}", encryption_words);
   // Before: its thread is to have no real-time priority.
   std::optional<PageTurn> page;
-  if (options.page) page.emplace(options, page_observer, clock, offer.robot.get());
+  if (options.page) page.emplace(options, page_observer, clock, offer.robot.get(), offer.scenes, offer.name);
   std::optional<FleetLink> fleet;
   if (port_of_fleet) {
     const FleetMember::Options member{.after_use = options.after_use, .places = options.server.sessions_max};

@@ -27,8 +27,15 @@ std::string refused(const std::string& about, const std::string& why) {
 
 }  // namespace
 
-ServerPage::ServerPage(const time::Clock& clock, std::string recording)
-    : clock_(clock), epoch_(clock.now()), recording_(std::move(recording)) {}
+ServerPage::ServerPage(const time::Clock& clock, Options options)
+    : clock_(clock),
+      epoch_(clock.now()),
+      options_(std::move(options)),
+      foxglove_({.name = "forcebound-server " FORCEBOUND_VERSION,
+                 .epoch = options_.wall_clock,
+                 .topics = {record::Topic::motion, record::Topic::force, record::Topic::scene, record::Topic::device,
+                            record::Topic::arrows}},
+                *this) {}
 
 double ServerPage::now_s() const noexcept { return time::to_seconds(clock_.now() - epoch_); }
 
@@ -97,7 +104,7 @@ std::string ServerPage::hello() const {
                        {"device", nullptr},
                        {"stiffness_N_per_m", nullptr},
                        {"network", nullptr}}},
-                     {"recording", recording_.empty() ? Json(nullptr) : Json(recording_)},
+                     {"recording", options_.recording.empty() ? Json(nullptr) : Json(options_.recording)},
                      {"duration_s", nullptr},
                      {"tracks", none},
                      {"read_only", false}};
@@ -143,7 +150,7 @@ bool ServerPage::queue_kick(std::uint64_t kick) {
 }
 
 void ServerPage::beat(page::Viewers& viewers) {
-  watched_ = viewers.count() > 0;
+  watched_ = viewers.count() > 0 || records_.wanted();
   std::vector<page::Text> events;
   std::string sessions;
   // Swapped, so that the server's thread, which waits for the lock, never waits for memory.
@@ -165,6 +172,28 @@ void ServerPage::beat(page::Viewers& viewers) {
   if (++beats_ % kBeatsPerMovement != 0) return;
   std::string message = assembly_.take_moved(0);
   if (!message.empty()) viewers.send_to_all(shared(std::move(message)), page::Worth::stream);
+}
+
+void ServerPage::set_scene(const std::string& name) {
+  const std::scoped_lock lock(lock_);
+  scene_name_ = name;
+}
+
+void ServerPage::write_new(record::TopicEncoder& to, bool wanted) {
+  records_.drain(to, wanted);
+  std::string name;
+  {
+    const std::scoped_lock lock(lock_);
+    name = scene_name_;
+  }
+  if (!wanted || name == written_scene_name_) return;
+  written_scene_name_ = name;
+  if (options_.parts_of) to.write_scene(options_.parts_of(name), clock_.now());
+}
+
+/// A server offers no services.
+void ServerPage::call(std::uint64_t number, const live::Service&, const std::string&) {
+  foxglove_.answer(number, "there are no services here");
 }
 
 std::string ServerPage::metrics() {

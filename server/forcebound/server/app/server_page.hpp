@@ -4,12 +4,15 @@
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "forcebound/live/foxglove_subject.hpp"
+#include "forcebound/live/record_tap.hpp"
 #include "forcebound/page/subject.hpp"
 #include "forcebound/time/clock.hpp"
 #include "forcebound/view/assembly.hpp"
@@ -18,14 +21,29 @@ namespace forcebound::server {
 
 /// What the page of forcebound-server shows and is asked for. The server's thread sets and takes, twice a second while
 /// somebody looks; the rest is of the page's thread.
-class ServerPage final : public page::Subject {
+class ServerPage final : public page::Subject, private live::FoxgloveSubject::Source {
  public:
   static constexpr std::size_t kKicksMost = 64;
   /// Events that a viewer who comes later is told of.
   static constexpr std::size_t kEventsKept = 50;
 
-  /// @param clock must outlive it. @param recording file; empty: none
-  ServerPage(const time::Clock& clock, std::string recording);
+  /// How the scene of this name looks; no parts: it is not known here.
+  using PartsOf = std::function<std::vector<record::ScenePart>(const std::string& scene)>;
+
+  struct Options {
+    std::string recording{};          ///< file; empty: none
+    time::Nanoseconds wall_clock{0};  ///< time [since 1970] at time zero of the clock
+    PartsOf parts_of{};
+  };
+
+  /// @param clock must outlive it
+  ServerPage(const time::Clock& clock, Options options);
+
+  /// All motions and forces, for viewers that speak Foxglove's protocol.
+  [[nodiscard]] live::RecordTap& records() noexcept { return records_; }
+  [[nodiscard]] page::Subprotocol foxglove() noexcept { return foxglove_.subprotocol(); }
+  /// The scene that these are shown. The server's thread.
+  void set_scene(const std::string& name);
 
   /// Whether somebody looks, or waits for figures. Never waits.
   [[nodiscard]] bool watched() const noexcept { return watched_.load(std::memory_order_relaxed); }
@@ -51,13 +69,15 @@ class ServerPage final : public page::Subject {
   [[nodiscard]] std::string metrics() override;
 
  private:
+  void write_new(record::TopicEncoder& to, bool wanted) override;
+  void call(std::uint64_t number, const live::Service& service, const std::string& value) override;
   [[nodiscard]] double now_s() const noexcept;
   [[nodiscard]] std::string hello() const;
   [[nodiscard]] bool queue_kick(std::uint64_t kick);
 
   const time::Clock& clock_;
   time::Nanoseconds epoch_;
-  std::string recording_;
+  Options options_;
   std::mutex lock_;
   std::string sessions_;
   std::string metrics_;
@@ -74,6 +94,10 @@ class ServerPage final : public page::Subject {
   std::string scene_;
   std::atomic<bool> watched_{false};
   std::atomic<bool> awaited_{false};
+  live::RecordTap records_;
+  live::FoxgloveSubject foxglove_;
+  std::string scene_name_;          // behind the lock
+  std::string written_scene_name_;  // of the page's thread
 };
 
 }  // namespace forcebound::server

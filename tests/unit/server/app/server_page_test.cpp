@@ -32,7 +32,7 @@ using Kinds = std::vector<std::string>;
 
 TEST(ServerPage, ShowsTheSessionsOncePerChange) {
   const StillClock clock;
-  ServerPage page(clock, "");
+  ServerPage page(clock, {});
   Sent viewers;
   page.greet(1, viewers);
   page.show(R"({"kind":"sessions"})", "metric 1\n");
@@ -46,7 +46,7 @@ TEST(ServerPage, ShowsTheSessionsOncePerChange) {
 
 TEST(ServerPage, TellsWhoeverComesLaterOfTheNewestEventsAndNobodyTwice) {
   const StillClock clock;
-  ServerPage page(clock, "");
+  ServerPage page(clock, {});
   for (std::size_t i = 0; i < ServerPage::kEventsKept + 7; ++i) page.report("info", "before");
   Sent viewers;
   page.greet(1, viewers);
@@ -66,7 +66,7 @@ TEST(ServerPage, TellsWhoeverComesLaterOfTheNewestEventsAndNobodyTwice) {
 
 TEST(ServerPage, ShowsItsRobotToWhoeverComesAndAsItMoves) {
   const StillClock clock;
-  ServerPage page(clock, "");
+  ServerPage page(clock, {});
   page.set_robot(view::describe({.name = "plug", .robot = R"({"name":"reach-7"})"}, {},
                                 {{.names = {"tool"}}, {.names = {"lag_m"}, .values = true}}));
   Sent viewers;
@@ -82,7 +82,7 @@ TEST(ServerPage, ShowsItsRobotToWhoeverComesAndAsItMoves) {
 
 TEST(ServerPage, AsksForFiguresOnlyWhileSomebodyLooks) {
   const StillClock clock;
-  ServerPage page(clock, "");
+  ServerPage page(clock, {});
   Sent viewers;
   viewers.viewers = 0;
   page.beat(viewers);
@@ -100,7 +100,7 @@ TEST(ServerPage, AsksForFiguresOnlyWhileSomebodyLooks) {
 
 TEST(ServerPage, TakesKicksAndNothingElse) {
   const StillClock clock;
-  ServerPage page(clock, "");
+  ServerPage page(clock, {});
   Sent viewers;
   page.receive(1, R"({"kind":"kick","session":7})", viewers);
   EXPECT_EQ(page.take_kick(), 7U);
