@@ -20,6 +20,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "tests/process/page_address.hpp"
 #include "tests/process/programs.hpp"
 
 namespace forcebound::test {
@@ -37,16 +38,9 @@ using testing::Not;
 class Viewer {
  public:
   explicit Viewer(Process& program) {
-    EXPECT_TRUE(program.wait_for("/?token="));
-    EXPECT_TRUE(program.wait_for("\n"));
-    const std::string out = program.out();
-    const std::size_t begin = out.find("http://") + std::string("http://").size();
-    const std::string address = out.substr(begin, out.find('\n', begin) - begin);
-    const std::size_t colon = address.find(':');
-    const std::size_t slash = address.find('/');
-    const auto port = static_cast<std::uint16_t>(std::stoi(address.substr(colon + 1, slash - colon - 1)));
-    stream_.next_layer().connect({asio::ip::make_address(address.substr(0, colon)), port});
-    stream_.handshake(address.substr(0, slash), "/live" + address.substr(address.find('?')));
+    const PageAddress page(program);
+    stream_.next_layer().connect({asio::ip::make_address(page.host), page.port});
+    stream_.handshake(page.authority(), "/live" + page.query);
   }
 
   void say(const json& message) { stream_.write(asio::buffer(message.dump())); }
@@ -270,11 +264,7 @@ TEST(APage, KeepsTheTipWhereItIsWhenTheLawChanges) {
 TEST(APage, TellsTheRelayWhatNetworkToEmulateWithoutANewRun) {
   Server server;
   Relay relay(server.address(), {"--control", "127.0.0.1:0"});
-  ASSERT_TRUE(relay.wait_for("taken at "));
-  const std::string log = relay.out() + relay.err();
-  const std::size_t begin = log.find("taken at ") + std::string("taken at ").size();
-  const std::string control = log.substr(begin, log.find('\n', begin) - begin);
-  Client client(relay.address(), and_also(kBall, {"--relay-control", control}));
+  Client client(relay.address(), and_also(kBall, {"--relay-control", control_of(relay)}));
   Viewer viewer(client);
   EXPECT_EQ(viewer.wait_for("hello")["settings"]["network"]["delay_ms"], 0);
   viewer.say(choose("network", {{"delay_ms", 30}, {"jitter_ms", 0}, {"loss_percent", 0}}));

@@ -7,19 +7,14 @@ import { open } from "node:fs/promises";
 import { createRequire } from "node:module";
 import { resolve } from "node:path";
 
-function loadPackages() {
+/// Packages by the names that they have here.
+export function load(packages) {
   const given = process.env.FORCEBOUND_NODE_MODULES;
   const places = [given && resolve(given, "x"), resolve("x"), import.meta.url].filter(Boolean);
   for (const place of places) {
     try {
       const require = createRequire(place);
-      return {
-        core: require("@mcap/core"),
-        support: require("@mcap/support"),
-        schemas: require("@foxglove/schemas/internal"),
-        protobuf: require("protobufjs"),
-        descriptor: require("protobufjs/ext/descriptor"),
-      };
+      return Object.fromEntries(Object.entries(packages).map(([name, of]) => [name, require(of)]));
     } catch (error) {
       if (error.code !== "MODULE_NOT_FOUND") throw error;
     }
@@ -28,7 +23,13 @@ function loadPackages() {
   process.exit(77);
 }
 
-export const { core, support, schemas, protobuf, descriptor } = loadPackages();
+export const { core, support, schemas, protobuf, descriptor } = load({
+  core: "@mcap/core",
+  support: "@mcap/support",
+  schemas: "@foxglove/schemas/internal",
+  protobuf: "protobufjs",
+  descriptor: "protobufjs/ext/descriptor",
+});
 
 export const decompressHandlers = await support.loadDecompressHandlers();
 
