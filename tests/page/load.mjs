@@ -3,7 +3,8 @@
 //
 //     server <-- client [--page <-- two viewers, or those who mean harm]
 //
-// Runs alternate: without a page, with a page and two viewers who read, then with each harm. A run's figures are its own
+// Runs alternate: without a page, with a page and two viewers who read, with two who speak Foxglove's protocol and
+// subscribe to all, then with each harm. A run's figures are its own
 // summary's; beside each tick's period stands that of a thread that only sleeps, in the same process and run.
 import { readdirSync, readFileSync, statSync } from "node:fs";
 import { loadavg } from "node:os";
@@ -31,8 +32,8 @@ const live = (url, token = true) => {
 const pause = (ms) => new Promise((done) => setTimeout(done, ms));
 
 /** A viewer who reads. @returns {{got: number, bytes: number, close: () => void}} what has come so far */
-async function viewer(url) {
-  const socket = new WebSocket(live(url));
+async function viewer(url, subprotocol = []) {
+  const socket = new WebSocket(live(url), subprotocol);
   const seen = { got: 0, bytes: 0, close: () => socket.terminate() };
   socket.on("message", (data) => {
     ++seen.got;
@@ -40,6 +41,19 @@ async function viewer(url) {
   });
   socket.on("error", () => {});
   await new Promise((done) => socket.on("open", done));
+  return Object.assign(seen, { socket });
+}
+
+/** A viewer who speaks Foxglove's protocol and subscribes to all that there is. */
+async function foxglove(url) {
+  const seen = await viewer(url, ["foxglove.websocket.v1"]);
+  seen.socket.on("message", (data, is_binary) => {
+    if (is_binary) return;
+    const { op, channels } = JSON.parse(data);
+    if (op !== "advertise") return;
+    const subscriptions = channels.map(({ id }) => ({ id, channelId: id }));
+    seen.socket.send(JSON.stringify({ op: "subscribe", subscriptions }));
+  });
   return seen;
 }
 
@@ -169,23 +183,26 @@ function weigh(folder) {
 await withPrograms(given.bin, async (programs) => {
   const server = await programs.server();
   const rounds = Number(given.rounds);
-  const two = async (url) => {
-    const both = [await viewer(url), await viewer(url)];
+  const two = (kind) => async (url) => {
+    const both = [await kind(url), await kind(url)];
     return { close: () => both.forEach((each) => each.close()),
       said: () => `each got ${(both[0].bytes / 1000 / Number(given.seconds)).toFixed(0)} kB/s` };
   };
   const without = [];
   const watched = [];
+  const elsewhere = [];
   for (let round = 0; round < rounds; ++round) {
     without.push(await run(programs, server.address, `without-${round}`, null));
-    watched.push(await run(programs, server.address, `watched-${round}`, two));
+    watched.push(await run(programs, server.address, `watched-${round}`, two(viewer)));
+    elsewhere.push(await run(programs, server.address, `elsewhere-${round}`, two(foxglove)));
   }
   console.log(`medians of ${rounds} runs of ${given.seconds} s each, of viewers who mean harm one run; times in us`);
   console.log(`${" ".repeat(27)}${"period".padStart(16)}${"idle".padStart(8)}${"work".padStart(16)}`);
   console.log(`${" ".repeat(27)}${kColumns.map((name) => name.padStart(8)).join("")}${"alloc".padStart(6)}${"load".padStart(6)}`);
   row("without a page", without);
   row("two viewers", watched);
-  const said = [`two viewers: ${watched[0].said}`];
+  row("two of Foxglove's protocol", elsewhere);
+  const said = [`two viewers: ${watched[0].said}`, `two of Foxglove's protocol: ${elsewhere[0].said}`];
   for (const [name, harm] of Object.entries(harms)) {
     const runs = [await run(programs, server.address, name.replace(/\W+/g, "-"), harm)];
     row(name, runs);

@@ -34,6 +34,7 @@ constexpr std::string_view kServicePrefix = "/choose/";
 
 std::vector<live::Service> services() {
   std::vector<live::Service> all;
+  all.reserve(kSettings.size());
   for (const Setting& setting : kSettings) {
     all.push_back(
         {.name = std::string(kServicePrefix) + std::string(setting.name), .schema = std::string(setting.schema)});

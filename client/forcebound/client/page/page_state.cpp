@@ -51,6 +51,7 @@ PageChoice changed(const PageChoice& now, const page::Choose& choice, const Page
     next.stiffness_N_per_m = *value;
   } else {
     std::vector<std::string> settings;
+    settings.reserve(kSettings.size());
     for (const Setting& setting : kSettings) settings.emplace_back(setting.name);
     throw std::invalid_argument("unknown setting '" + choice.setting + "'" +
                                 text::suggestion(choice.setting, settings));

@@ -166,12 +166,12 @@ void PageObserver::on_quarantined(const SessionInfo& info, std::string_view obje
 
 void PageObserver::on_motion(const wire::MotionSample& motion) noexcept {
   next_.on_motion(motion);
-  if (records_ != nullptr && records_->wanted()) records_->on_motion({.receive_time = clock_.now(), .motion = motion});
+  if (records_ && records_->wanted()) records_->on_motion({.receive_time = clock_.now(), .motion = motion});
 }
 
 void PageObserver::on_force(const wire::EnvironmentForce& force) noexcept {
   next_.on_force(force);
-  if (records_ != nullptr) records_->on_sent({.force = force});
+  if (records_) records_->on_sent({.force = force});
   const auto found = sessions_.find(force.session);
   if (found == sessions_.end()) return;
   Figures& figures = found->second;

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -24,8 +25,11 @@ class PageObserver final : public ServerObserver {
   /// Both must outlive it.
   PageObserver(ServerObserver& next, const time::Clock& clock) : next_(next), clock_(clock) {}
 
-  /// Where motions and forces go while they are wanted there. Before the server starts; it must outlive the server.
-  void set_records(live::RecordTap& records) noexcept { records_ = &records; }
+  /// Brings all motions and forces from now on, while they are wanted. Before the server starts.
+  [[nodiscard]] live::RecordTap& begin_records() {
+    records_ = std::make_unique<live::RecordTap>();
+    return *records_;
+  }
 
   /// What the whole server does, to be shown beside the sessions.
   struct Load {
@@ -104,7 +108,7 @@ class PageObserver final : public ServerObserver {
 
   ServerObserver& next_;
   const time::Clock& clock_;
-  live::RecordTap* records_ = nullptr;
+  std::unique_ptr<live::RecordTap> records_;               // null: there is no page
   std::unordered_map<std::uint64_t, Figures> sessions_;    // by the session's number
   std::map<std::uint64_t, std::uint64_t> shown_;           // sessions by the page's number
   std::map<std::string, page::DurationHistogram> scenes_;  // of all sessions since the start

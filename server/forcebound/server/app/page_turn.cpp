@@ -37,14 +37,14 @@ PageTurn::PageTurn(const ProgramOptions& options, PageObserver& observer, const 
       places_(options.server.sessions_max),
       page_(clock, {.recording = options.record,
                     .wall_clock = time::wall_clock_now() - clock.now(),
-                    .parts_of = [scenes](const std::string& name) { return parts_of(scenes, name); }}),
+                    .parts_of = [scenes](const std::string& name) { return parts_of(scenes, name); },
+                    .records = &observer.begin_records()}),
       log_([this](const std::string& level, const std::string& text) { page_.report(level, text); }),
       shown_(clock.now()) {
   const page::PageServer::Settings settings = page::page_settings(*options.page, text::program_path());
   if (const std::string why = page::missing_page(text::program_path()); !why.empty()) spdlog::warn("{}", why);
   if (robot_ != nullptr) page_.set_robot(robot_->appearance());
   page_.set_scene(scene);
-  observer.set_records(page_.records());
   served_.emplace(settings, page_, page_.foxglove());
   std::cout << "page: " << page::printed_address(served_->address()) << std::endl;
 }

@@ -150,7 +150,7 @@ bool ServerPage::queue_kick(std::uint64_t kick) {
 }
 
 void ServerPage::beat(page::Viewers& viewers) {
-  watched_ = viewers.count() > 0 || records_.wanted();
+  watched_ = viewers.count() > 0 || (options_.records != nullptr && options_.records->wanted());
   std::vector<page::Text> events;
   std::string sessions;
   // Swapped, so that the server's thread, which waits for the lock, never waits for memory.
@@ -180,7 +180,7 @@ void ServerPage::set_scene(const std::string& name) {
 }
 
 void ServerPage::write_new(record::TopicEncoder& to, bool wanted) {
-  records_.drain(to, wanted);
+  if (options_.records != nullptr) options_.records->drain(to, wanted);
   std::string name;
   {
     const std::scoped_lock lock(lock_);

@@ -34,13 +34,13 @@ class ServerPage final : public page::Subject, private live::FoxgloveSubject::So
     std::string recording{};          ///< file; empty: none
     time::Nanoseconds wall_clock{0};  ///< time [since 1970] at time zero of the clock
     PartsOf parts_of{};
+    live::RecordTap* records = nullptr;  ///< brings motions and forces; must outlive it. Null: there are none
   };
 
   /// @param clock must outlive it
   ServerPage(const time::Clock& clock, Options options);
 
-  /// All motions and forces, for viewers that speak Foxglove's protocol.
-  [[nodiscard]] live::RecordTap& records() noexcept { return records_; }
+  /// All sessions for viewers that speak Foxglove's protocol.
   [[nodiscard]] page::Subprotocol foxglove() noexcept { return foxglove_.subprotocol(); }
   /// The scene that these are shown. The server's thread.
   void set_scene(const std::string& name);
@@ -94,7 +94,6 @@ class ServerPage final : public page::Subject, private live::FoxgloveSubject::So
   std::string scene_;
   std::atomic<bool> watched_{false};
   std::atomic<bool> awaited_{false};
-  live::RecordTap records_;
   live::FoxgloveSubject foxglove_;
   std::string scene_name_;          // behind the lock
   std::string written_scene_name_;  // of the page's thread
