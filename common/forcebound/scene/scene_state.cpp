@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "forcebound/control/rotation.hpp"
+#include "forcebound/scene/tool/tool_touch.hpp"
 
 namespace forcebound::scene {
 namespace {
@@ -44,7 +45,7 @@ SceneState::SceneState(std::shared_ptr<const Scene> scene, std::uint32_t degrees
       bytes_(scene_->plan().state_bytes() * points_of(*scene_)),
       steps_(scene_->plan().steps().size()),
       shares_dynamic_models_(shares_dynamic_models) {
-  if (scene_->facts().tool) tool_.emplace(scene_->facts().tool, scene_->plan());
+  if (scene_->facts().tool) tool_ = std::make_unique<ToolTouch>(scene_->facts().tool, scene_->plan());
   std::iota(steps_.begin(), steps_.end(), 0U);
   couplings_.reserve(dynamic_models.size());
   for (const auto& dynamic_model : dynamic_models) couplings_.emplace_back(dynamic_model);
@@ -59,6 +60,10 @@ SceneState::SceneState(const std::shared_ptr<const Scene>& scene, std::uint32_t 
 SceneState::SceneState(std::shared_ptr<const Scene> scene, std::uint32_t degrees_of_freedom,
                        const DynamicModelsNow& shared)
     : SceneState(std::move(scene), degrees_of_freedom, shared, true) {}
+
+SceneState::SceneState(SceneState&&) noexcept = default;
+SceneState& SceneState::operator=(SceneState&&) noexcept = default;
+SceneState::~SceneState() = default;
 
 SceneState SceneState::of_part(std::shared_ptr<const Scene> scene, std::uint32_t degrees_of_freedom, std::size_t part) {
   const std::size_t steps = scene->plan().steps().size();
@@ -198,7 +203,7 @@ bool SceneState::go_on_from(const SceneState& other) noexcept {
   const std::span<const PlanStep> before = other.scene_->plan().steps();
   const bool same = other.rows_ == rows_ && other.couplings_.empty() && couplings_.empty() &&
                     std::ranges::equal(steps, before, have_states_of_the_same_effects);
-  if (!same || tool_.has_value() != other.tool_.has_value()) return false;
+  if (!same || (tool_ == nullptr) != (other.tool_ == nullptr)) return false;
   if (tool_ && !tool_->go_on_from(*other.tool_)) return false;
   for (std::size_t point = 0; point < points_of(*scene_); ++point) {
     const std::byte* const from = other.bytes_.data() + point * other.scene_->plan().state_bytes();
@@ -239,6 +244,8 @@ void SceneState::quarantine(const std::string& name) noexcept {
   ++faults_.quarantined;
   quarantined_.push_back(&name);
 }
+
+const ToolPose* SceneState::simulated_tool() const noexcept { return tool_ ? tool_->simulated() : nullptr; }
 
 DynamicModelsNow SceneState::dynamic_models() const {
   DynamicModelsNow dynamic_models;

@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -10,12 +9,16 @@
 #include "forcebound/answer/answer.hpp"
 #include "forcebound/control/vector.hpp"
 #include "forcebound/scene/dynamic_model_coupling.hpp"
-#include "forcebound/scene/tool/tool_touch.hpp"
+#include "forcebound/scene/scene.hpp"
 
 namespace forcebound::scene {
 
 using answer::Answer;
 using control::Vector;
+
+class ToolTouch;
+struct ToolFelt;
+struct ToolPose;
 
 /// Faults within a scene that were kept from the client.
 struct SceneFaults {
@@ -45,6 +48,10 @@ class SceneState {
   /// the server's clock. Asked for a local model, `answer` is about the device's path as it is played (DevicePath).
   SceneState(std::shared_ptr<const Scene> scene, std::uint32_t degrees_of_freedom, const DynamicModelsNow& shared);
 
+  SceneState(SceneState&&) noexcept;
+  SceneState& operator=(SceneState&&) noexcept;
+  ~SceneState();
+
   /// One part of the scene alone: the object or field of a step of the plan, or, counted on from there, a dynamic
   /// model.
   static SceneState of_part(std::shared_ptr<const Scene> scene, std::uint32_t degrees_of_freedom, std::size_t part);
@@ -62,7 +69,7 @@ class SceneState {
   [[nodiscard]] std::size_t contacts() const noexcept { return contacts_; }
 
   /// Where the tool was simulated for the last answer (ToolProxy); null: where the device has it.
-  [[nodiscard]] const ToolPose* simulated_tool() const noexcept { return tool_ ? tool_->simulated() : nullptr; }
+  [[nodiscard]] const ToolPose* simulated_tool() const noexcept;
 
   /// Names of the parts that the last answer left out, as do those after it; of most none. Valid until the next one.
   [[nodiscard]] std::span<const std::string* const> quarantined() const noexcept { return quarantined_; }
@@ -114,7 +121,7 @@ class SceneState {
   Eigen::Index rows_;                            ///< of the device
   Eigen::Index translations_;                    ///< rows that are translations
   std::vector<std::byte> bytes_;                 ///< the states of all effects and shapes, of each point of the tool
-  std::optional<ToolTouch> tool_;                ///< of the scene
+  std::unique_ptr<ToolTouch> tool_;              ///< of the scene; null: none
   std::vector<std::uint32_t> steps_;             ///< of the plan, less those quarantined
   std::vector<DynamicModelCoupling> couplings_;  ///< in all dynamic models
   std::vector<std::uint32_t> dynamic_models_;    ///< of the couplings, less those quarantined
