@@ -210,9 +210,11 @@ async function expectCalls(viewer) {
   await success("/choose/network", network);
   await within(line(({ kind, settings }) => kind === "hello" && settings.network.delay_ms === 12), "the network");
   const before = viewer.of("/tick").length;
+  const last = BigInt(viewer.of("/tick").at(-1).tick);
   await success("/choose/law", JSON.stringify({ value: "fba-more" }));
   await within(line(({ kind, settings }) => kind === "hello" && settings.law === "fba-more"), "the law");
-  await viewer.until(() => viewer.of("/tick").slice(before).some(({ tick }) => tick === "1"), "the next run");
+  // Its first ticks may be left out.
+  await viewer.until(() => viewer.of("/tick").slice(before).some(({ tick }) => BigInt(tick) < last), "the next run");
 }
 
 async function countOf(name) {
