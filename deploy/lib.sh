@@ -81,6 +81,10 @@ build() {
   jobs=$(jobs_that_fit)
   cd "$root"
   logged "configure-$preset" cmake --preset "$preset" "${definitions[@]}"
+  # Of a folder that another compiler has built CMake keeps nothing, not even what the preset says.
+  if grep -q 'require your cache to be deleted' "$root/build/log/configure-$preset.log"; then
+    logged "configure-$preset" cmake --fresh --preset "$preset" "${definitions[@]}"
+  fi
   local command=(cmake --build --preset "$preset" -j "$jobs")
   if (($#)); then command+=(--target "$@"); fi
   if [[ -t 1 ]]; then
