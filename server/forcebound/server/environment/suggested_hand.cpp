@@ -258,9 +258,11 @@ control::Vector place_to_begin(const scene::Scene& scene) {
   const scene::SceneFacts& facts = scene.facts();
   const int axes = facts.degrees_of_freedom == scene::kAnyDegreesOfFreedom ? kSpace : facts.degrees_of_freedom;
   if (!facts.suggested_hand.empty()) {
-    const int rows =
-        facts.suggested_device.empty() ? axes : device::load_device(facts.suggested_device).facts.translations();
-    return device::make_operator(facts.suggested_hand, rows)->target(0).position;
+    const std::string device =
+        facts.suggested_device.empty() && facts.tool ? device_for(facts) : facts.suggested_device;
+    const auto hand = device.empty() ? device::make_operator(facts.suggested_hand, axes)
+                                     : device::make_operator(facts.suggested_hand, device::load_device(device).facts);
+    return hand->target(0).position;
   }
   constexpr double kStep_m = 0.005;
   constexpr double kFarthest_m = 0.25;  // of what a hand reaches
