@@ -16,11 +16,12 @@ bool have_states_of_the_same_effects(const PlanStep& a, const PlanStep& b) noexc
          a.end_state - a.near_state == b.end_state - b.near_state;
 }
 
-std::size_t points_of(const Scene& scene) noexcept {
-  return scene.facts().tool ? scene.facts().tool->points().size() : 1;
+/// Of the points and edge contacts of the tool.
+std::size_t states_of(const Scene& scene) noexcept {
+  return scene.facts().tool ? ToolTouch::states_of(*scene.facts().tool) : 1;
 }
 
-/// Of one point.
+/// Of one of them.
 void copy_states(std::span<const PlanStep> before, const std::byte* from, std::span<const PlanStep> steps,
                  std::byte* to) noexcept {
   for (std::size_t i = 0; i < steps.size(); ++i) {
@@ -42,10 +43,10 @@ SceneState::SceneState(std::shared_ptr<const Scene> scene, std::uint32_t degrees
     : scene_(std::move(scene)),
       rows_(degrees_of_freedom),
       translations_(std::min<Eigen::Index>(rows_, 3)),
-      bytes_(scene_->plan().state_bytes() * points_of(*scene_)),
+      bytes_(scene_->plan().state_bytes() * states_of(*scene_)),
       steps_(scene_->plan().steps().size()),
       shares_dynamic_models_(shares_dynamic_models) {
-  if (scene_->facts().tool) tool_ = std::make_unique<ToolTouch>(scene_->facts().tool, scene_->plan());
+  if (scene_->facts().tool) tool_ = std::make_unique<ToolTouch>(scene_->facts().tool, *scene_);
   std::iota(steps_.begin(), steps_.end(), 0U);
   couplings_.reserve(dynamic_models.size());
   for (const auto& dynamic_model : dynamic_models) couplings_.emplace_back(dynamic_model);
@@ -205,9 +206,9 @@ bool SceneState::go_on_from(const SceneState& other) noexcept {
                     std::ranges::equal(steps, before, have_states_of_the_same_effects);
   if (!same || (tool_ == nullptr) != (other.tool_ == nullptr)) return false;
   if (tool_ && !tool_->go_on_from(*other.tool_)) return false;
-  for (std::size_t point = 0; point < points_of(*scene_); ++point) {
-    const std::byte* const from = other.bytes_.data() + point * other.scene_->plan().state_bytes();
-    copy_states(before, from, steps, bytes_.data() + point * scene_->plan().state_bytes());
+  for (std::size_t state = 0; state < states_of(*scene_); ++state) {
+    const std::byte* const from = other.bytes_.data() + state * other.scene_->plan().state_bytes();
+    copy_states(before, from, steps, bytes_.data() + state * scene_->plan().state_bytes());
   }
   // No larger than what was here at first, so nothing is allocated.
   steps_ = other.steps_;

@@ -1,7 +1,10 @@
 #include "forcebound/scene/tool/tool.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
+#include <memory>
 #include <stdexcept>
 #include <string>
 
@@ -17,6 +20,22 @@ constexpr std::size_t kLeaf = 4;
 /// Of a tool that is as good as a point: turning it costs nothing.
 constexpr double kSpreadLeast_m = 1e-3;
 
+constexpr double kRounding_m = 1e-9;
+
+double tip_to_end_m(const ToolPart& part) { return std::max(part.from_m.norm(), part.to_m.norm()) + part.radius_m; }
+
+void check(const ToolPart& part) {
+  const bool box = part.kind == ToolPart::Kind::box;
+  const Point size_m = part.to_m - part.from_m;
+  const bool solid = box ? size_m.minCoeff() > 0 && part.radius_m == 0
+                         : part.radius_m > 0 && (part.kind == ToolPart::Kind::capsule || size_m.norm() > 0);
+  const double reach_m = tip_to_end_m(part);
+  if (solid && part.from_m.allFinite() && part.to_m.allFinite() && reach_m <= 2 * kToolReachMost_m) return;
+  throw std::invalid_argument("a tool's part for a hand has a volume within " + text::to_text(2 * kToolReachMost_m) +
+                              " m of its tip, got one from " + config::to_text(part.from_m) + " to " +
+                              config::to_text(part.to_m) + " m with radius " + text::to_text(part.radius_m) + " m");
+}
+
 void check(const ToolPoint& point) {
   if (point.at_m.allFinite() && point.radius_m >= 0 && point.at_m.norm() + point.radius_m <= kToolReachMost_m) return;
   throw std::invalid_argument("a tool for a hand lies within " + text::to_text(kToolReachMost_m) +
@@ -26,7 +45,8 @@ void check(const ToolPoint& point) {
 
 }  // namespace
 
-Tool::Tool(std::vector<ToolPoint> points, ToolContact contact) : points_(std::move(points)), contact_(contact) {
+Tool::Tool(std::vector<ToolPoint> points, ToolContact contact, std::vector<ToolPart> parts)
+    : points_(std::move(points)), parts_(std::move(parts)), contact_(contact) {
   if (points_.empty()) throw std::invalid_argument("a tool must have at least one point");
   if (points_.size() > kToolPointsMost) {
     throw std::invalid_argument("a tool may have at most " + std::to_string(kToolPointsMost) + " points, got " +
@@ -37,6 +57,11 @@ Tool::Tool(std::vector<ToolPoint> points, ToolContact contact) : points_(std::mo
     reach_m_ = std::max(reach_m_, point.at_m.norm() + point.radius_m);
     radius_m_max_ = std::max(radius_m_max_, point.radius_m);
   }
+  if (parts_.size() > kToolPartsMost) {
+    throw std::invalid_argument("a tool may have at most " + std::to_string(kToolPartsMost) + " parts, got " +
+                                std::to_string(parts_.size()));
+  }
+  for (const ToolPart& part : parts_) check(part);
   nodes_.reserve(2 * points_.size());
   build(0, points_.size());
   // In the order of the tree, for the same digits at both ends.
@@ -49,6 +74,20 @@ Tool::Tool(std::vector<ToolPoint> points, ToolContact contact) : points_(std::mo
     reach_from_centre_m_ = std::max(reach_from_centre_m_, distance_m);
   }
   spread_m_ = std::max(kSpreadLeast_m, std::sqrt(squares_m2 / count));
+  find_in_parts();
+}
+
+void Tool::find_in_parts() {
+  in_part_.resize(points_.size());
+  for (const ToolPart& part : parts_) {
+    const std::unique_ptr<Shape> solid = make_solid(part, 0);
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      std::array<double, 3> fresh{};
+      const SurfacePoint found = solid->nearest(points_[i].at_m, reinterpret_cast<std::byte*>(fresh.data()));
+      if (found.penetration_m > points_[i].radius_m - kRounding_m) in_part_[i] = true;
+    }
+  }
+  all_in_parts_ = std::ranges::all_of(in_part_, std::identity());
 }
 
 void Tool::build(std::size_t first, std::size_t end) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "forcebound/scene/geometry/shape.hpp"
+#include "forcebound/scene/tool/tool_part.hpp"
 #include "forcebound/scene/tool/tool_points.hpp"
 
 namespace forcebound::scene {
@@ -30,14 +31,21 @@ class Tool {
   /// A point's distance from a surface is wanted so far outside, where the simulated pose may go in one step.
   static constexpr double kAhead_m = 2e-3;
 
-  /// @throws std::invalid_argument for no points, more than kToolPointsMost, and one that is not finite, of a radius
-  /// below zero or further from the tip than kToolReachMost_m
-  explicit Tool(std::vector<ToolPoint> points, ToolContact contact = ToolContact::constraint);
+  /// @param parts those of its parts that are convex; what they hold is known without points
+  /// @throws std::invalid_argument for no points, more than kToolPointsMost or kToolPartsMost, and one that is not
+  /// finite, of a radius below zero, of no volume or further from the tip than kToolReachMost_m
+  explicit Tool(std::vector<ToolPoint> points, ToolContact contact = ToolContact::constraint,
+                std::vector<ToolPart> parts = {});
 
   [[nodiscard]] ToolContact contact() const noexcept { return contact_; }
 
   /// In the order of the tree: those near to each other follow each other.
   [[nodiscard]] std::span<const ToolPoint> points() const noexcept { return points_; }
+
+  [[nodiscard]] std::span<const ToolPart> parts() const noexcept { return parts_; }
+  /// Whether a point and its ball lie in a convex part.
+  [[nodiscard]] bool is_in_part(std::uint32_t point) const noexcept { return in_part_[point]; }
+  [[nodiscard]] bool all_in_parts() const noexcept { return all_in_parts_; }
 
   /// No point's ball reaches further from the tip [m].
   [[nodiscard]] double reach_m() const noexcept { return reach_m_; }
@@ -71,8 +79,12 @@ class Tool {
   };
 
   void build(std::size_t first, std::size_t end);
+  void find_in_parts();
 
   std::vector<ToolPoint> points_;
+  std::vector<ToolPart> parts_;
+  std::vector<bool> in_part_;  // each point
+  bool all_in_parts_ = false;
   std::vector<Node> nodes_;
   ToolContact contact_;
   double reach_m_ = 0;

@@ -27,12 +27,7 @@ void refuse_too_many(double points, double spacing_m) {
                               " apart has more than 10000, the most that are accepted: a larger spacing_m is needed");
 }
 
-/// Of the balls that round edges: what is sampled goes over an edge between two points without catching on it.
-double rounding(double thickness_m, double spacing_m) { return 0.25 * std::min(thickness_m, spacing_m); }
-
-std::vector<ToolPoint> points_of_box(const Point& center_m, const Point& of_box_m, double spacing_m) {
-  const double radius_m = rounding(of_box_m.minCoeff(), spacing_m);
-  const Point size_m = of_box_m.array() - 2 * radius_m;
+std::vector<ToolPoint> points_of_box(const Point& center_m, const Point& size_m, double spacing_m) {
   const Point n = size_m.unaryExpr([&](double length_m) { return intervals(length_m, spacing_m); });
   const Point all = n.array() + 1;
   const Point inner = n.array() - 1;
@@ -43,7 +38,7 @@ std::vector<ToolPoint> points_of_box(const Point& center_m, const Point& of_box_
     for (double y = 0; y <= n.y(); ++y) {
       const bool on_side = x == 0 || x == n.x() || y == 0 || y == n.y();
       for (double z = 0; z <= n.z(); z += on_side ? 1 : n.z()) {
-        points.push_back({center_m + size_m.cwiseProduct(Point(at(x, n.x()), at(y, n.y()), at(z, n.z()))), radius_m});
+        points.push_back({center_m + size_m.cwiseProduct(Point(at(x, n.x()), at(y, n.y()), at(z, n.z())))});
       }
     }
   }
@@ -58,13 +53,7 @@ std::vector<ToolPoint> points_of_capsule(const Point& from_m, const Point& to_m,
   return points;
 }
 
-std::vector<ToolPoint> points_of_cylinder(const Point& bottom_m, const Point& top_m, double of_cylinder_m,
-                                          double spacing_m) {
-  const double ball_m = rounding(std::min(2 * of_cylinder_m, (top_m - bottom_m).norm()), spacing_m);
-  const double radius_m = of_cylinder_m - ball_m;
-  const Point inwards_m = ball_m * (top_m - bottom_m).normalized();
-  const Point from_m = bottom_m + inwards_m;
-  const Point to_m = top_m - inwards_m;
+std::vector<ToolPoint> points_of_cylinder(const Point& from_m, const Point& to_m, double radius_m, double spacing_m) {
   const double along = intervals((to_m - from_m).norm(), spacing_m);
   const double rings = intervals(radius_m, spacing_m);
   const double around = std::max(3.0, intervals(2 * std::numbers::pi * radius_m, spacing_m));
@@ -77,12 +66,12 @@ std::vector<ToolPoint> points_of_cylinder(const Point& bottom_m, const Point& to
     const double n = std::max(3.0, intervals(2 * std::numbers::pi * ring_m, spacing_m));
     for (double i = 0; i < n; ++i) {
       const double turn = 2 * std::numbers::pi * i / n;
-      points.push_back({middle_m + ring_m * (std::cos(turn) * x + std::sin(turn) * y), ball_m});
+      points.push_back({middle_m + ring_m * (std::cos(turn) * x + std::sin(turn) * y)});
     }
   };
   for (double i = 0; i <= along; ++i) add_ring(from_m + i / along * (to_m - from_m), radius_m);
   for (const Point& end_m : {from_m, to_m}) {
-    points.push_back({end_m, ball_m});
+    points.push_back({end_m});
     for (double i = 1; i < rings; ++i) add_ring(end_m, i / rings * radius_m);
   }
   return points;

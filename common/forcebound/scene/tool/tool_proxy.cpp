@@ -1,6 +1,7 @@
 #include "forcebound/scene/tool/tool_proxy.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -12,35 +13,49 @@ namespace {
 
 // Less than a point moves by rounding, and than anybody feels.
 constexpr double kStill_m = 1e-8;
-constexpr double kConverged_m = 1e-10;
 // In free space a tool goes as far at once, if nothing is nearer.
 constexpr double kFreeMost_m = 0.01;
 
 }  // namespace
 
-ToolProxy::ToolProxy(std::shared_ptr<const Tool> tool, const Plan& plan)
-    : tool_(std::move(tool)), near_(plan.steps().size()) {
+ToolProxy::ToolProxy(std::shared_ptr<const Tool> tool, const Scene& scene)
+    : tool_(std::move(tool)),
+      edges_(std::in_place, *tool_, scene.objects()),
+      near_(scene.plan().steps().size()),
+      near_edges_(near_.size()),
+      states_(near_.size()) {
   const std::size_t points = tool_->points().size();
-  std::size_t solid = 0;
+  std::size_t rows = 0;
   for (std::size_t i = 0; i < near_.size(); ++i) {
-    if (!plan.steps()[i].solid) continue;
+    if (!scene.plan().steps()[i].solid) continue;
     near_[i].reserve(points);
-    ++solid;
+    near_edges_[i].reserve(edges_->contacts_most());
+    rows += points + edges_->contacts_most();
   }
   next_.reserve(points);
+  next_edges_.reserve(edges_->contacts_most());
+  found_.reserve(edges_->contacts_most());
   tree_.reserve(points);
-  rows_.reserve(points * solid);
-  working_.reserve(points * solid);
+  rows_.reserve(rows);
+  of_rows_.reserve(rows);
 }
 
 void ToolProxy::begin_again() noexcept {
   for (std::vector<Near>& near : near_) near.clear();
+  for (std::vector<NearEdge>& near : near_edges_) near.clear();
+  std::ranges::fill(states_, 0U);
   placed_ = false;
 }
 
 void ToolProxy::go_on_from(const ToolProxy& other) noexcept {
   // No larger than what was reserved, so nothing is allocated.
   for (std::size_t i = 0; i < near_.size(); ++i) near_[i].assign(other.near_[i].begin(), other.near_[i].end());
+  for (std::size_t i = 0; i < near_edges_.size(); ++i) {
+    const auto& from = other.near_edges_[i];
+    const std::size_t most = std::min(from.size(), near_edges_[i].capacity());
+    near_edges_[i].assign(from.begin(), from.begin() + static_cast<std::ptrdiff_t>(most));
+  }
+  states_ = other.states_;
   pose_ = other.pose_;
   placed_ = other.placed_;
 }
@@ -77,7 +92,7 @@ void ToolProxy::follow(const ToolPose& device, const Plan& plan, std::span<const
       moved_m = 0;
       find_near(asked, known_m);
     }
-    ask(asked);
+    ask(asked, std::max(kSlideMost_m, known_m - moved_m));
     const Twist step = solve(wanted);
     const double step_m = length_m(step);
     if (!(step_m > kStill_m)) break;
@@ -101,7 +116,9 @@ void ToolProxy::find_near(const Asked& asked, std::uint32_t number, double margi
   std::vector<Near>& near = near_[number];
   tree_.clear();
   next_.clear();
-  tool_->find_near(*step.shape, pose_, margin_m + step.reach_m, tree_);
+  const bool by_edges = edges_->knows(number);
+  if (!by_edges || !tool_->all_in_parts()) tool_->find_near(*step.shape, pose_, margin_m + step.reach_m, tree_);
+  if (by_edges) std::erase_if(tree_, [this](std::uint32_t point) { return tool_->is_in_part(point); });
   auto before = near.begin();
   const auto leave = [&] {
     if (before->share_m > 0) {
@@ -118,66 +135,85 @@ void ToolProxy::find_near(const Asked& asked, std::uint32_t number, double margi
       continue;
     }
     asked.run_of(point).begin_outside(step, pose_ * tool_->points()[point].at_m);
-    next_.push_back({.point = point});
+    next_.push_back({{}, point});
   }
   while (before != near.end()) leave();
   std::swap(near, next_);
 }
 
-void ToolProxy::ask(const Asked& asked) noexcept {
+void ToolProxy::ask(const Asked& asked, double margin_m) noexcept {
   rows_.clear();
+  of_rows_.clear();
   clear_m_ = std::numeric_limits<double>::infinity();
   const Point centre = centre_m();
   for (const std::uint32_t number : asked.steps) {
     const PlanStep& step = asked.plan.steps()[number];
     if (!step.solid) continue;
+    const double rounded_m = edges_->has_normals(number) ? 0 : ToolEdges::kRounded_m;
     for (Near& near : near_[number]) {
       const ToolPoint& point = tool_->points()[near.point];
       const Point place_m = pose_ * point.at_m;
       near.surface = asked.run_of(near.point).find_surface(step, place_m);
-      near.surface.penetration_m += point.radius_m;
+      near.surface.penetration_m += std::max(point.radius_m, rounded_m);
       near.arm_m = place_m - centre;
-      Row row{.direction = {}, .gap_m = -near.surface.penetration_m, .near = &near};
-      clear_m_ = std::min(clear_m_, row.gap_m);
-      if (row.gap_m > kSlideMost_m && near.share_m == 0) continue;
-      row.direction << near.surface.normal, near.arm_m.cross(near.surface.normal) / tool_->spread_m();
-      rows_.push_back(row);
+      add_row(near);
     }
+    if (edges_->knows(number)) ask_edges(asked, number, margin_m);
+    for (NearEdge& edge : near_edges_[number]) add_row(edge);
   }
 }
 
-/// Of the rows those alone that push or would be broken: few of the many that are near.
+void ToolProxy::add_row(Contact& contact) noexcept {
+  const double gap_m = -contact.surface.penetration_m;
+  clear_m_ = std::min(clear_m_, gap_m);
+  if (gap_m > kSlideMost_m && contact.share_m == 0) return;
+  NearestStep::Row row{.gap_m = gap_m, .share_m = contact.share_m};
+  row.direction << contact.surface.normal, contact.arm_m.cross(contact.surface.normal) / tool_->spread_m();
+  rows_.push_back(row);
+  of_rows_.push_back(&contact);
+}
+
+/// Contacts go on by their keys.
+void ToolProxy::ask_edges(const Asked& asked, std::uint32_t number, double margin_m) noexcept {
+  const PlanStep& step = asked.plan.steps()[number];
+  std::vector<NearEdge>& near = near_edges_[number];
+  found_.clear();
+  next_edges_.clear();
+  edges_->find(number, pose_, std::max(margin_m, step.reach_m), kSlideMost_m, found_);
+  auto before = near.begin();
+  const Point centre = centre_m();
+  const auto leave = [&] {
+    if (before->state < kEdgeStates) {
+      PlanRun(asked.plan, asked.states.data() + state_of(*before) * asked.plan.state_bytes()).forget(step);
+      states_[number] &= ~(std::uint64_t{1} << before->state);
+    }
+    ++before;
+  };
+  for (const EdgeContact& found : found_) {
+    while (before != near.end() && before->key < found.key) leave();
+    NearEdge next;
+    if (before != near.end() && before->key == found.key) next = *before++;
+    next.key = found.key;
+    next.surface = {.normal = found.normal, .penetration_m = -found.gap_m};
+    next.arm_m = found.at_m - centre;
+    next.in_handle_m = pose_.rotation.transpose() * (found.at_m - pose_.tip_m);
+    next_edges_.push_back(next);
+  }
+  while (before != near.end()) leave();
+  std::swap(near, next_edges_);
+}
+
+void ToolProxy::keep_state(NearEdge& edge, const Plan& plan, std::size_t step, std::span<std::byte> states) noexcept {
+  if (edge.state < kEdgeStates) return;
+  edge.state = std::min(static_cast<std::uint32_t>(std::countr_one(states_[step])), kEdgeStates);
+  if (edge.state < kEdgeStates) states_[step] |= std::uint64_t{1} << edge.state;
+  PlanRun(plan, states.data() + state_of(edge) * plan.state_bytes()).forget(plan.steps()[step]);
+}
+
 ToolProxy::Twist ToolProxy::solve(const Twist& wanted) noexcept {
-  Twist step = wanted;
-  for (const Row& row : rows_) step += row.near->share_m * row.direction;
-  for (int round = 0; round < kRoundsMost; ++round) {
-    bool broken = false;
-    working_.clear();
-    for (const Row& row : rows_) {
-      const bool is_broken = row.direction.dot(step) + row.gap_m < -kConverged_m;
-      if (is_broken || row.near->share_m > 0) working_.push_back(&row);
-      broken = broken || is_broken;
-    }
-    if (!broken && round > 0) break;
-    for (int sweep = 0; sweep < kSweepsMost; ++sweep) {
-      if (sweep_working(step) < kConverged_m) break;
-    }
-  }
+  const Twist step = nearest_.solve(wanted, rows_);
+  for (std::size_t i = 0; i < rows_.size(); ++i) of_rows_[i]->share_m = rows_[i].share_m;
   return step;
-}
-
-/// @returns the largest change of a share [m]
-double ToolProxy::sweep_working(Twist& step) const noexcept {
-  double changed_m = 0;
-  for (const Row* const row : working_) {
-    const double before_m = row->near->share_m;
-    const double missing_m = -(row->direction.dot(step) + row->gap_m);
-    const double share_m = std::max(0.0, before_m + missing_m / row->direction.squaredNorm());
-    step += (share_m - before_m) * row->direction;
-    row->near->share_m = share_m;
-    changed_m = std::max(changed_m, std::abs(share_m - before_m));
-  }
-  return changed_m;
 }
 
 }  // namespace forcebound::scene

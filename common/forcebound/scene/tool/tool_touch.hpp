@@ -28,9 +28,11 @@ struct ToolFelt {
 /// acts at its middle: a ball rolls without feeling it. Every point has states of its own.
 ///
 /// ToolContact::constraint: what is solid is touched as a body (ToolProxy). A point is as deep as its share, and has
-/// that share of its speed along the normal: the tool is as stiff and as damped as one point. What pushes along the
-/// normal acts where the tool is simulated, so that it is the slope of an energy; what acts along the surface, at the
-/// point whose way it is about.
+/// that share of its speed along the normal: the tool is as stiff and as damped as one point. An edge contact moves
+/// over the tool: its effects see a point that goes on as the tool does there. Where contacts take over from each
+/// other, as those of a flat side do, one whose share doubles goes on with the states of the foremost one with its
+/// normal. What pushes along the normal acts where the tool is simulated, so that it is the slope of an energy; what
+/// acts along the surface, at the point whose way it is about.
 ///
 /// ToolContact::penalty, and what is not solid: a point is as deep as where the device has it, and deeper by its
 /// radius; more of them that touch are stiffer [penalty by points: McNeely et al., "Six Degree-of-Freedom Haptic
@@ -42,7 +44,12 @@ struct ToolFelt {
 /// Real time: noexcept, no allocation; O(points near the object) and Tool::find_near.
 class ToolTouch {
  public:
-  ToolTouch(std::shared_ptr<const Tool> tool, const Plan& plan);
+  ToolTouch(std::shared_ptr<const Tool> tool, const Scene& scene);
+
+  /// Plan::state_bytes are needed this many times.
+  [[nodiscard]] static std::size_t states_of(const Tool& tool) noexcept {
+    return tool.points().size() + (tool.contact() == ToolContact::constraint ? ToolProxy::kEdgeStates + 2 : 0);
+  }
 
   [[nodiscard]] const Tool& tool() const noexcept { return *tool_; }
 
@@ -74,16 +81,41 @@ class ToolTouch {
     std::vector<std::uint32_t> touching;  // of them
   };
 
-  /// A point, as its effects see it.
+  /// A point or edge contact, as its effects see it.
   struct Touching {
-    std::uint32_t number;
-    SurfacePoint surface;
-    Point arm_m;       // from the tip to where it pushes
+    Point in_handle_m;  // from the tip
+    SurfacePoint surface{};
+    Point arm_m = Point::Zero();  // from the tip to where it pushes
+    Point seen_m = Point::Zero();
     double share = 1;  // of its speed along the normal
   };
 
-  [[nodiscard]] ToolFelt feel_solid(const PlanStep& step, std::size_t number, const Plan& plan, const Probe& at_tip,
-                                    std::span<std::byte> states) const noexcept;
+  /// The contact of a solid step that had the most on the tick before: its states are kept after all others.
+  struct Foremost {
+    double share_m = 0;
+    Point slid_m = Point::Zero();
+    Point normal = Point::UnitX();
+  };
+
+  /// One call of feel_solid.
+  struct Feeling {
+    const Plan& plan;
+    const PlanStep& step;
+    const Probe& at_tip;
+    std::span<std::byte> states;
+    Foremost before;
+    double together_m = 0;
+    Foremost foremost{};
+    std::size_t foremost_state = 0;
+    ToolFelt felt{};
+  };
+
+  [[nodiscard]] ToolFelt feel_solid(const Plan& plan, std::size_t number, const Probe& at_tip,
+                                    std::span<std::byte> states) noexcept;
+  void feel_contact(Feeling& now, ToolProxy::Contact& one, const Point& in_handle_m, std::size_t state) const noexcept;
+  void slide(const Feeling& now, ToolProxy::Contact& one, const Point& in_handle_m, std::size_t state) const noexcept;
+  void copy_touching(const Feeling& now, std::size_t from, std::size_t to) const noexcept;
+  [[nodiscard]] std::size_t state_of_foremost() const noexcept { return states_of(*tool_) - 1; }
   void find_near(const PlanStep& step, const Visited& before) noexcept;
   void add(const PlanStep& step, const Touching& touching, const PlanRun& run, Probe probe,
            ToolFelt& felt) const noexcept;
@@ -91,6 +123,7 @@ class ToolTouch {
   std::shared_ptr<const Tool> tool_;
   std::optional<ToolProxy> proxy_;
   std::vector<Visited> visited_;     // of each step
+  std::vector<Foremost> foremost_;   // likewise
   std::vector<std::uint32_t> tree_;  // room for all
   std::vector<std::uint32_t> near_;  // likewise
   ToolPose pose_{};

@@ -21,11 +21,6 @@ std::shared_ptr<const Scene> constrained(const std::vector<PartDescription>& obj
   return scene_with(objects, tool, geometry, ToolContact::constraint);
 }
 
-Answer felt_at(SceneState& state, int tick, const Point& tip_m,
-               const Eigen::Quaterniond& orientation = Eigen::Quaterniond::Identity()) {
-  return state.answer(Vector(tip_m), milliseconds{tick}, {}, false, turned(orientation));
-}
-
 /// How deep the points of the simulated tool are in an object at most [m].
 double depth_m(const SceneState& state, const Scene& scene) {
   double deepest_m = -1;

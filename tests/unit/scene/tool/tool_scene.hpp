@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <chrono>
 #include <memory>
 #include <string>
 #include <utility>
@@ -19,7 +20,8 @@ inline constexpr double kPressed_m = 1e-3;
 
 /// An object of kPush_N_per_m and more effects.
 inline PartDescription pushing(const std::string& name, NamedValues shape, std::vector<NamedValues> more = {}) {
-  PartDescription part{.name = name, .shape = std::move(shape), .effects = {{"surface", {{"stiffness_N_per_m", kPush_N_per_m}}}}};
+  PartDescription part{
+      .name = name, .shape = std::move(shape), .effects = {{"surface", {{"stiffness_N_per_m", kPush_N_per_m}}}}};
   for (NamedValues& effect : more) part.effects.push_back(std::move(effect));
   return part;
 }
@@ -31,9 +33,10 @@ inline PartDescription plane(std::vector<NamedValues> more = {}) {
 /// @param tool no points: an ordinary point
 inline std::shared_ptr<const Scene> scene_with(const std::vector<PartDescription>& objects,
                                                const std::vector<ToolPoint>& tool, const ShapeGeometry& geometry = {},
-                                               ToolContact contact = ToolContact::penalty) {
+                                               ToolContact contact = ToolContact::penalty,
+                                               const std::vector<ToolPart>& convex = {}) {
   SceneFacts facts{.name = "tool", .description = ""};
-  if (!tool.empty()) facts.tool = std::make_shared<const Tool>(tool, contact);
+  if (!tool.empty()) facts.tool = std::make_shared<const Tool>(tool, contact, convex);
   SceneParts parts;
   for (PartDescription object : objects) {
     object.tool_reach_m = facts.tool ? facts.tool->reach_of_points_m() : 0;
@@ -51,6 +54,12 @@ inline Handle turned(const Eigen::Quaterniond& orientation) {
 inline Answer touch_at(const std::shared_ptr<const Scene>& scene, const Point& tip_m,
                        const Eigen::Quaterniond& orientation = Eigen::Quaterniond::Identity()) {
   return SceneState(scene, 3).answer(Vector(tip_m), Nanoseconds{0}, {}, false, turned(orientation));
+}
+
+/// A tick is 1 ms.
+inline Answer felt_at(SceneState& state, int tick, const Point& tip_m,
+                      const Eigen::Quaterniond& orientation = Eigen::Quaterniond::Identity()) {
+  return state.answer(Vector(tip_m), std::chrono::milliseconds{tick}, {}, false, turned(orientation));
 }
 
 inline std::vector<ToolPoint> points_of(std::string_view kind, const config::Values& values, double spacing_m) {
