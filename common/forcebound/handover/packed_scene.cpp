@@ -27,10 +27,21 @@ struct Cut {
   bool comes_first = false;
 };
 
+static_assert(v1::ToolPart::CAPSULE == static_cast<int>(scene::ToolPart::Kind::capsule) &&
+              v1::ToolPart::CYLINDER == static_cast<int>(scene::ToolPart::Kind::cylinder) &&
+              v1::ToolPart::BOX == static_cast<int>(scene::ToolPart::Kind::box));
+
 void fill_tool(const scene::Tool& from, v1::SceneTool* to) {
   to->set_by_penalty(from.contact() == scene::ToolContact::penalty);
   for (const scene::ToolPoint& point : from.points()) {
     for (const double number : {point.at_m.x(), point.at_m.y(), point.at_m.z(), point.radius_m}) to->add_point(number);
+  }
+  for (const scene::ToolPart& part : from.parts()) {
+    v1::ToolPart& packed = *to->add_part();
+    packed.set_kind(static_cast<v1::ToolPart::Kind>(part.kind));
+    fill(part.from_m, packed.mutable_from());
+    fill(part.to_m, packed.mutable_to());
+    packed.set_radius(part.radius_m);
   }
 }
 

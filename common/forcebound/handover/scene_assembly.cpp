@@ -9,6 +9,7 @@
 #include "forcebound/handover/coarse_level.hpp"
 #include "forcebound/handover/internal/geometry_assembly.hpp"
 #include "forcebound/handover/internal/part_maker.hpp"
+#include "forcebound/handover/internal/proto_values.hpp"
 #include "forcebound/handover/internal/two_levels.hpp"
 #include "forcebound/scene/cost.hpp"
 #include "forcebound/scene/geometry/bvh.hpp"
@@ -62,7 +63,16 @@ std::shared_ptr<const scene::Tool> tool_of(const v1::SceneTool& from) try {
   for (int i = 0; i < from.point_size(); i += kNumbers)
     points.push_back({Point(from.point(i), from.point(i + 1), from.point(i + 2)), from.point(i + 3)});
   const auto contact = from.by_penalty() ? scene::ToolContact::penalty : scene::ToolContact::constraint;
-  return std::make_shared<const scene::Tool>(std::move(points), contact);
+  std::vector<scene::ToolPart> parts;
+  for (const v1::ToolPart& part : from.part()) {
+    if (!v1::ToolPart::Kind_IsValid(part.kind()))
+      throw HandoverError("a part of a tool is a capsule, cylinder or box, got kind " + std::to_string(part.kind()));
+    parts.push_back({.kind = static_cast<scene::ToolPart::Kind>(part.kind()),
+                     .from_m = point_of(part.from()),
+                     .to_m = point_of(part.to()),
+                     .radius_m = part.radius()});
+  }
+  return std::make_shared<const scene::Tool>(std::move(points), contact, std::move(parts));
 } catch (const std::invalid_argument& error) {
   throw HandoverError(error.what());
 }

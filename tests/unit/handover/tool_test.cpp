@@ -33,6 +33,8 @@ TEST(AToolThatIsHandedOver, FeelsToTheBitWhatTheServersFeels) {
   const AssembledScene made = assembled(PackedScene(*scene), 3).build();
   ASSERT_NE(made.scene->facts().tool, nullptr);
   EXPECT_TRUE(std::ranges::equal(made.scene->facts().tool->points(), scene->facts().tool->points()));
+  ASSERT_EQ(scene->facts().tool->parts().size(), 2U);
+  EXPECT_TRUE(std::ranges::equal(made.scene->facts().tool->parts(), scene->facts().tool->parts()));
   scene::SceneState at_server(scene, 3);
   scene::SceneState at_client(made.scene, 3);
   double turned_N_m = 0;
@@ -50,12 +52,13 @@ TEST(AToolThatIsHandedOver, FeelsToTheBitWhatTheServersFeels) {
   EXPECT_GT(turned_N_m, 1e-3) << "or nothing was compared";
 }
 
-std::string refusal_of_points(std::initializer_list<double> numbers) {
+std::string refusal_of_points(std::initializer_list<double> numbers, const std::vector<v1::ToolPart>& parts = {}) {
   v1::SceneManifest manifest;
   manifest.set_name("hostile");
   manifest.set_degrees_of_freedom(3);
   (void)manifest.mutable_tool();
   for (const double number : numbers) manifest.mutable_tool()->add_point(number);
+  for (const v1::ToolPart& part : parts) *manifest.mutable_tool()->add_part() = part;
   const std::string bytes = manifest.SerializeAsString();
   const auto raw = std::as_bytes(std::span(bytes));
   return refusal_of([&] {
@@ -73,6 +76,22 @@ TEST(AToolThatIsHandedOver, IsHeldToWhatASceneFilesIs) {
   EXPECT_THAT(refusal_of_points({0, 0, 3, 0}), HasSubstr("within 0.5 m of its tip"));
   EXPECT_THAT(refusal_of_points({0, 0, 0, -1}), HasSubstr("within 0.5 m of its tip"));
   EXPECT_THAT(refusal_of_points({0, 0, std::nan(""), 0}), HasSubstr("within 0.5 m of its tip"));
+}
+
+TEST(AToolThatIsHandedOver, IsHeldToPartsWithAVolume) {
+  v1::ToolPart ball;
+  ball.set_radius(0.01);
+  EXPECT_EQ(refusal_of_points({0, 0, 0, 0}, {ball}), "accepted");
+  EXPECT_THAT(refusal_of_points({0, 0, 0, 0}, std::vector(65, ball)), HasSubstr("at most 64 parts, got 65"));
+  v1::ToolPart none = ball;
+  none.set_radius(-1);
+  EXPECT_THAT(refusal_of_points({0, 0, 0, 0}, {none}), HasSubstr("has a volume within 1 m of its tip"));
+  none = ball;
+  none.mutable_from()->set_x(std::nan(""));
+  EXPECT_THAT(refusal_of_points({0, 0, 0, 0}, {none}), HasSubstr("has a volume within 1 m of its tip"));
+  none = ball;
+  none.set_kind(static_cast<v1::ToolPart::Kind>(7));
+  EXPECT_THAT(refusal_of_points({0, 0, 0, 0}, {none}), HasSubstr("capsule, cylinder or box, got kind 7"));
 }
 
 TEST(AToolThatIsHandedOver, IsRefusedWhereItsPointsTakeTooLong) {

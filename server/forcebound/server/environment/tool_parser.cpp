@@ -15,18 +15,24 @@ using config::CheckedTable;
 
 constexpr int kSpace = 3;
 
-std::vector<scene::ToolPoint> parse_tool_part(CheckedTable& part, const std::string& name,
-                                              const scene::Registry& registry, double spacing_m) {
+struct ToolShape {
+  std::vector<scene::ToolPoint> points;
+  std::vector<scene::ToolPart> parts;
+};
+
+void parse_tool_part(CheckedTable& part, const std::string& name, const scene::Registry& registry, double spacing_m,
+                     ToolShape& shape) {
   scene::SceneObject made{.name = name};
   (void)part.given(tool_part_table().keys, kSpace);
   parse_shape(part, registry, made, kSpace);
   part.refuse_unknown_keys();
-  return part.built_at(part.at("shape"), [&] {
+  part.built_at(part.at("shape"), [&] {
     std::vector<scene::ToolPoint> points =
         points_of_part(made.shape_kind, made.shape_values, made.shape->geometry(), spacing_m);
     // Told of the part that is at fault.
     (void)scene::Tool(points);
-    return points;
+    shape.points.insert(shape.points.end(), points.begin(), points.end());
+    if (const auto convex = scene::convex_part(made.shape_kind, made.shape_values)) shape.parts.push_back(*convex);
   });
 }
 
@@ -43,7 +49,8 @@ config::TableDescription tool_table() {
            config::positive_number("spacing_m", "of the points of its surface", scene::kToolReachMost_m, 2e-3),
            config::ChoiceParameter{.key = "contact",
                                    .meaning = "`constraint`: it stays outside of what is solid as a body, as stiff as "
-                                              "one point; `penalty`: each point pushes by its own depth",
+                                              "one point, and parts but meshes meet boxes, balls, rods and planes "
+                                              "between their points too; `penalty`: each point pushes by its own depth",
                                    .choices = {"constraint", "penalty"}}}};
 }
 
@@ -61,19 +68,20 @@ void parse_tool(CheckedTable& file, const scene::Registry& registry, scene::Scen
   if (facts.degrees_of_freedom != kSpace) tool.fail("a tool needs a scene with degrees_of_freedom = 3");
   const config::Values given = config::completed(tool_table().keys, tool.given(tool_table().keys));
   const double spacing_m = given.number("spacing_m");
-  std::vector<scene::ToolPoint> points;
+  ToolShape shape;
   tool.each("part", [&](CheckedTable& part, const std::string& name) {
-    const std::vector<scene::ToolPoint> more = parse_tool_part(part, name, registry, spacing_m);
-    points.insert(points.end(), more.begin(), more.end());
+    parse_tool_part(part, name, registry, spacing_m, shape);
   });
-  if (points.empty()) (void)tool.at("tip_m", "the tip of a tool without [[tool.part]]");
+  if (shape.points.empty()) (void)tool.at("tip_m", "the tip of a tool without [[tool.part]]");
   constexpr double kLongest_m = 0.5;
   facts.tool_m = tool.vector({.key = "tip_m", .preset = 0, .least = -kLongest_m, .most = kLongest_m}, kSpace);
   tool.refuse_unknown_keys();
-  if (points.empty()) return;
+  if (shape.points.empty()) return;
   const auto contact =
       given.text("contact") == "penalty" ? scene::ToolContact::penalty : scene::ToolContact::constraint;
-  tool.built_at(tool.node(), [&] { facts.tool = std::make_shared<const scene::Tool>(std::move(points), contact); });
+  tool.built_at(tool.node(), [&] {
+    facts.tool = std::make_shared<const scene::Tool>(std::move(shape.points), contact, std::move(shape.parts));
+  });
 }
 
 void check_tool(CheckedTable& file, const scene::SceneFacts& facts, const scene::SceneParts& parts) {
