@@ -207,7 +207,10 @@ TEST(LibraryClient, RefusesWhatCannotBeInOneLine) {
   refused(settings, "fba-exact");
   settings = briefly();
   settings.server = "192.0.2.1:47800";
-  refused(settings, "no keys are given");
+  refused(settings, "no keys are given; accepted are 'server_key' or 'known_servers', 'shared_key', or 'insecure'");
+  settings.server_key = "a";
+  settings.trust_new = 1;
+  refused(settings, "'server_key' says the server's key; 'known_servers' and 'trust_new' go without it");
   settings = briefly();
   settings.recording = "/no/such/folder/run.mcap";
   refused(settings, "/no/such/folder/run.mcap");

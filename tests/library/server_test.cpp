@@ -285,10 +285,11 @@ TEST(LibraryServer, RefusesWhatCannotBeInOneLine) {
   settings.listen = "nowhere";
   refused(settings, environment, FB_INVALID, "nowhere");
   settings.listen = "0.0.0.0:0";
-  refused(settings, environment, FB_INVALID, "sessions must be encrypted");
+  refused(settings, environment, FB_INVALID,
+          "sessions must be encrypted; accepted are 'key' with 'clients', or 'shared_key'");
   settings = at_free_port();
   settings.clients = "/no/such/file";
-  refused(settings, environment, FB_INVALID, "--clients: they are let in by their keys, so it needs --key");
+  refused(settings, environment, FB_INVALID, "'clients': they are let in by their keys, so it needs 'key'");
   settings = at_free_port();
   settings.key = "/no/such/file";
   refused(settings, environment, FB_INVALID, "alone it would let anybody in");

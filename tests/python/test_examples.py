@@ -123,7 +123,7 @@ def test_a_soft_body_is_pressed_in(rate):
 
 def test_a_soft_body_refuses_in_one_line():
     for arguments, why in ((["--rate", "5"], "--rate must be 20 to 250, got 5"),
-                           (["--listen", "0.0.0.0:0"], "--insecure")):
+                           (["--listen", "0.0.0.0:0"], "'insecure'")):
         run = subprocess.run([sys.executable, folder() / "soft_body.py", *arguments], capture_output=True, text=True,
                              check=False)
         assert run.returncode == 2 and why in run.stderr.splitlines()[-1]

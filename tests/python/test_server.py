@@ -171,7 +171,8 @@ def test_what_is_refused_of_a_server_is_said_before_anything_runs(serving, tmp_p
             Server(name, **{"listen": "127.0.0.1:0", **settings})
 
     refused(RuntimeError, "in use", listen=serving.address)
-    refused(ValueError, "--key", listen="0.0.0.0:0")
+    refused(ValueError, "'listen': .* accepted are 'key' with 'clients', or 'shared_key'", listen="0.0.0.0:0")
+    refused(ValueError, "'key': .* accepted is 'key' with 'clients'", key="server.key")
     refused(ValueError, "port", listen="127.0.0.1:notaport")
     refused(ValueError, str(tmp_path), key=tmp_path / "no.key", clients=tmp_path / "clients.toml")
     refused(ValueError, "name must be a name", name="")

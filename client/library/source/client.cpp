@@ -13,6 +13,7 @@
 #include "forcebound/baselines/law_file.hpp"
 #include "forcebound/control/wrench.hpp"
 #include "forcebound/law_plugin/known_laws.hpp"
+#include "forcebound/text/setting_names.hpp"
 #include "library/source/errors.hpp"
 #include "library/source/structs.hpp"
 
@@ -179,7 +180,8 @@ fb_client::fb_client(const client::EmbeddedClient::Settings& settings, std::shar
       client(settings, *opened->device, {&newest},
              {.event =
                   [this](const client::Event& event) {
-                    events.add(library::event_of(static_cast<int>(event.kind), event.words(), event.duration));
+                    events.add(library::event_of(static_cast<int>(event.kind), text::with_setting_names(event.words()),
+                                                 event.duration));
                   },
               .problem =
                   [this](const std::string& problem) { events.add(library::event_of(FB_EVENT_PROBLEM, problem)); }}) {}

@@ -6,6 +6,7 @@
 #include "forcebound/baselines/law_file.hpp"
 #include "forcebound/client/runtime/event_queue.hpp"
 #include "forcebound/law_plugin/known_laws.hpp"
+#include "forcebound/text/setting_names.hpp"
 
 namespace forcebound::client {
 namespace {
@@ -21,16 +22,19 @@ Client::Settings described(const EmbeddedClient::Settings& settings, const contr
 }  // namespace
 
 EmbeddedClient::EmbeddedClient(const Settings& settings, device::HapticDevice& device,
-                               const std::vector<record::TickSink*>& sinks, Reports reports)
+                               const std::vector<record::TickSink*>& sinks, Reports reports) try
     : reports_(std::move(reports)),
       client_(described(settings, device.facts()), device,
-              law_plugin::known_laws().make(settings.client.law, device.facts(), settings.law_options), sinks) {}
+              law_plugin::known_laws().make(settings.client.law, device.facts(), settings.law_options), sinks) {
+} catch (const std::invalid_argument& refusal) {
+  throw std::invalid_argument(text::with_setting_names(refusal.what()));
+}
 
 void EmbeddedClient::look() {
   Event event;
   while (client_.events().take(event)) reports_.event(event);
   for (const std::string& problem : {client_.take_server_problem(), client_.take_recording_fault()}) {
-    if (!problem.empty()) reports_.problem(problem);
+    if (!problem.empty()) reports_.problem(text::with_setting_names(problem));
   }
 }
 
@@ -48,7 +52,7 @@ std::string EmbeddedClient::summary() const {
 
 std::string EmbeddedClient::why_no_session() const {
   if (!ended_) throw std::runtime_error("whether there was a session is known when the client has ended");
-  return client_.why_no_session();
+  return text::with_setting_names(client_.why_no_session());
 }
 
 }  // namespace forcebound::client

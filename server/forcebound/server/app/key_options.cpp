@@ -33,11 +33,4 @@ void add_key_options(CLI::App& app, KeyFiles& keys) {
       ->excludes(psk);
 }
 
-std::string encryption_in_words(const KeyFiles& keys, const std::optional<ServerKeys>& read) {
-  if (!read) return keys.insecure ? "NOT ENCRYPTED (--insecure)" : "not encrypted: this machine only";
-  std::string words = "encrypted: " + encryption_name(read);
-  if (read->own) words += ", public key " + security::to_base64(read->own->public_key.bytes);
-  return words;
-}
-
 }  // namespace forcebound::server

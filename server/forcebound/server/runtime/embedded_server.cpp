@@ -2,10 +2,13 @@
 
 #include <exception>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 #include <stop_token>
 #include <utility>
 
 #include "forcebound/server/offer/environment_library.hpp"
+#include "forcebound/text/setting_names.hpp"
+#include "forcebound/time/real_time.hpp"
 
 namespace forcebound::server {
 namespace {
@@ -25,10 +28,15 @@ EnvironmentLibrary library_of(const EnvironmentKind& kind) {
 }  // namespace
 
 EmbeddedServer::Reached EmbeddedServer::reached_by(const Settings& settings, const std::string& scene) {
-  expect_bounds(settings.keys);
-  const net::Address address = net::resolve(net::parse_endpoint(settings.listen));
-  expect_encryption(settings.keys, address);
-  return {.address = address, .keys = read_keys(settings.keys, {scene})};
+  try {
+    expect_bounds(settings.keys);
+    const net::Address address = net::resolve(net::parse_endpoint(settings.listen));
+    expect_encryption(settings.keys, address);
+    return {.address = address, .keys = read_keys(settings.keys, {scene})};
+  } catch (const std::invalid_argument& refusal) {
+    if (settings.by_options) throw;
+    throw std::invalid_argument(text::with_setting_names(refusal.what()));
+  }
 }
 
 EmbeddedServer::EmbeddedServer(const Settings& settings, const EnvironmentKind& kind, std::string simulated)
@@ -39,7 +47,9 @@ EmbeddedServer::EmbeddedServer(const Settings& settings, const EnvironmentKind& 
     : name_(kind.name),
       simulated_(std::move(simulated)),
       encryption_(encryption_name(reached.keys)),
-      server_(listen_at(reached.address), options_of(settings, kind.name), library_of(kind), nullptr,
+      encryption_in_words_(server::encryption_in_words(settings.keys, reached.keys)),
+      priority_(settings.priority),
+      server_(listen_at(reached.address), options_of(settings, kind.name), library_of(kind), settings.observer,
               std::move(reached.keys)) {}
 
 bool EmbeddedServer::start() {
@@ -53,6 +63,8 @@ bool EmbeddedServer::start() {
 
 void EmbeddedServer::run(const std::stop_token& wanted) {
   runs_on_ = std::this_thread::get_id();
+  // Refused, it is as late as other threads.
+  if (priority_ > 0) (void)time::ask_for_first_in_first_out(priority_);
   std::string failure;
   try {
     server_.run(wanted);

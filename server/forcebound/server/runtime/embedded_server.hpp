@@ -15,14 +15,17 @@
 
 namespace forcebound::server {
 
-/// A server of one environment within a program of another language, on a thread of its own, in which nothing of that
-/// language runs unless the environment does. Of this Python's and C's are made. It runs once. Any thread.
+/// A server of one environment within another program, on a thread of its own, in which nothing of another language
+/// runs unless the environment does. Of this forcebound-ros2's, Python's and C's are made. It runs once. Any thread.
 class EmbeddedServer {
  public:
   struct Settings {
     std::string listen = "127.0.0.1:47800";  ///< HOST:PORT; port 0: a free one
     KeyFiles keys{};
-    ServerOptions options{};  ///< the scene is filled in
+    ServerOptions options{};             ///< the scene is filled in
+    ServerObserver* observer = nullptr;  ///< called in the server's thread; must outlive it
+    int priority = 0;         ///< of that thread, 1 to 99, by SCHED_FIFO if the system grants it; 0: as others
+    bool by_options = false;  ///< refusals name options of a command line; false: these settings
   };
 
   /// Takes the address, reads the keys.
@@ -42,6 +45,8 @@ class EmbeddedServer {
   /// Why the thread ended by itself; empty: it did not.
   [[nodiscard]] std::string failure() const;
   [[nodiscard]] net::Address address() const noexcept { return server_.address(); }
+  /// As server::encryption_in_words.
+  [[nodiscard]] const std::string& encryption_in_words() const noexcept { return encryption_in_words_; }
   [[nodiscard]] UdpServer::Figures figures() const { return server_.figures(); }
 
   struct OwnCount {
@@ -66,6 +71,8 @@ class EmbeddedServer {
   const std::string name_;
   const std::string simulated_;
   const std::string encryption_;
+  const std::string encryption_in_words_;
+  const int priority_;
   UdpServer server_;
   mutable std::mutex mutex_;  // of what follows, but `running_`
   bool started_ = false;

@@ -36,4 +36,11 @@ std::string encryption_name(const std::optional<ServerKeys>& keys) {
   return keys ? std::string(security::name_of(keys->pattern())) : "none";
 }
 
+std::string encryption_in_words(const KeyFiles& files, const std::optional<ServerKeys>& keys) {
+  if (!keys) return files.insecure ? "NOT ENCRYPTED (--insecure)" : "not encrypted: this machine only";
+  std::string words = "encrypted: " + encryption_name(keys);
+  if (keys->own) words += ", public key " + security::to_base64(keys->own->public_key.bytes);
+  return words;
+}
+
 }  // namespace forcebound::server

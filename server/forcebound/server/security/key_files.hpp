@@ -34,4 +34,7 @@ void expect_encryption(const KeyFiles& files, const net::Address& address);
 /// As in RunInfo::encryption.
 [[nodiscard]] std::string encryption_name(const std::optional<ServerKeys>& keys);
 
+/// "encrypted: IKpsk2, public key ...", "not encrypted: this machine only"
+[[nodiscard]] std::string encryption_in_words(const KeyFiles& files, const std::optional<ServerKeys>& keys);
+
 }  // namespace forcebound::server
