@@ -16,10 +16,10 @@ def at_200_Hz(servos=(SERVO, SERVO), **others):
     return ForceBoundedLeader(servos, **{"period_s": 0.005, "latency_s_max": 0.001, **others})
 
 
-def warmed_up(bounded, steps=100):
+def warmed_up(bounded, steps=100, by_dt=False):
     """Moved at 1 rad/s against 1 N m until that is given; the time, and where it is."""
     for n in range(steps):
-        torques = bounded.step([0.005 * n] * 2, [-1, -1], 0.005 * n)
+        torques = bounded.step([0.005 * n] * 2, [-1, -1], **({"dt": 0.005} if by_dt else {"time_s": 0.005 * n}))
     assert torques.tolist() == [-1, -1]
     return 0.005 * (steps - 1), 0.005 * (steps - 1)
 
@@ -65,6 +65,11 @@ def test_a_time_and_the_time_since_the_step_before_are_the_same():
     for wrong in ({}, {"time_s": 1, "dt": 1}):
         with pytest.raises(TypeError, match="either time_s.* or dt"):
             by_time.step(positions[0], feedback[0], **wrong)
+    with pytest.raises(TypeError, match="^step takes one of time_s and dt in all steps: time_s as before, got dt$"):
+        by_time.step(positions[0], feedback[0], dt=0.25)
+    with pytest.raises(TypeError, match="dt as before, got time_s$"):
+        by_dt.step(positions[0], feedback[0], 50.0)
+    assert by_time.counts["readings_lost"] == by_dt.counts["readings_lost"] == 0
 
 
 def test_a_wrong_number_of_joints_is_a_value_error_and_loses_that_reading_alone():
@@ -72,15 +77,15 @@ def test_a_wrong_number_of_joints_is_a_value_error_and_loses_that_reading_alone(
     time_s, at = warmed_up(bounding)
     energy_J = bounding.energy_J
     for positions, feedback, shapes in [
-        ([at] * 3, [0] * 2, r"position_rad: expected shape \(2,\), got \(3,\)"),
-        ([at] * 2, [0] * 3, r"feedback_N_m: expected shape \(2,\), got \(3,\)"),
-        ([[at] * 2], [0] * 2, r"position_rad: expected shape \(2,\), got \(1, 2\)"),
-        (at, [0] * 2, r"position_rad: expected shape \(2,\), got \(\)"),
+        ([at] * 3, [0] * 2, r"positions: expected shape \(2,\), got \(3,\)"),
+        ([at] * 2, [0] * 3, r"feedback: expected shape \(2,\), got \(3,\)"),
+        ([[at] * 2], [0] * 2, r"positions: expected shape \(2,\), got \(1, 2\)"),
+        (at, [0] * 2, r"positions: expected shape \(2,\), got \(\)"),
     ]:
         with pytest.raises(ValueError, match=shapes):
             time_s += 0.005
             bounding.step(positions, feedback, time_s)
-    with pytest.raises(TypeError, match="position_rad"):
+    with pytest.raises(TypeError, match="positions"):
         time_s += 0.005
         bounding.step(["x", "y"], [0, 0], time_s)
     assert bounding.counts["readings_lost"] == 10
@@ -92,7 +97,7 @@ def test_a_wrong_number_of_joints_is_a_value_error_and_loses_that_reading_alone(
 @pytest.mark.parametrize("after_s", [-0.005, 0.0, math.nan])
 def test_a_time_that_goes_back_or_stands_still_is_zero_torque_and_in_words(after_s):
     bounding = at_200_Hz()
-    time_s, at = warmed_up(bounding)
+    time_s, at = warmed_up(bounding, by_dt=True)
     assert bounding.step([at] * 2, [-1, -1], dt=after_s).tolist() == [0, 0]
     assert "none that a clock can have measured" in bounding.fault
     assert "\n" not in bounding.fault

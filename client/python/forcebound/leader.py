@@ -161,6 +161,7 @@ class ForceBoundedLeader:
         }
         self._leader = _native.Leader([servo._asdict() for servo in self.servos], **self._loop)
         self._stamp_s: float | None = None
+        self._clock: str | None = None
 
     def step(self, positions, feedback, time_s: float | None = None, *, dt: float | None = None) -> np.ndarray:
         """A step: the torques to command now, (joints,) [N m]; in a servo's own sign, positive as its angle.
@@ -169,7 +170,7 @@ class ForceBoundedLeader:
                    its torque is zero, the others are not affected
         feedback   (joints,) [N m], asked for; not finite: zero; None: there is none, or it is too old
         time_s     the stamp of the reading, of a clock that only goes on (time.monotonic()); or
-        dt         the time since the step before [s]; in all steps the same of both
+        dt         the time since the step before [s]; TypeError unless all steps have the same of both
 
         A time that goes back or stands still is no exception, since servos hold their torques: torques are zero until those
         before are over, and `fault` says so. ValueError for a wrong shape, TypeError for what are no numbers: the readings
@@ -177,6 +178,10 @@ class ForceBoundedLeader:
         """
         if (time_s is None) == (dt is None):
             raise TypeError("step takes either time_s, the stamp of the reading, or dt, the time since the step before")
+        clock = "dt" if time_s is None else "time_s"
+        if self._clock not in (None, clock):
+            raise TypeError(f"step takes one of time_s and dt in all steps: {self._clock} as before, got {clock}")
+        self._clock = clock
         if dt is not None:
             interval_s = float(dt)
         else:

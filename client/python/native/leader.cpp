@@ -71,14 +71,13 @@ std::vector<double> numbers_from(py::handle value, std::size_t count, const char
   return all;
 }
 
-py::array_t<double> step(ForceBoundedLeader& leader, py::handle position_rad, py::handle feedback_N_m,
-                         double interval_s) {
+py::array_t<double> step(ForceBoundedLeader& leader, py::handle positions, py::handle feedback, double interval_s) {
   const std::size_t joints = leader.joints();
-  const std::vector<double> position = numbers_from(position_rad, joints, "position_rad");
-  std::vector<double> feedback;
-  if (!feedback_N_m.is_none()) feedback = numbers_from(feedback_N_m, joints, "feedback_N_m");
+  const std::vector<double> position_rad = numbers_from(positions, joints, "positions");
+  std::vector<double> feedback_N_m;
+  if (!feedback.is_none()) feedback_N_m = numbers_from(feedback, joints, "feedback");
   std::vector<double> torque(joints);
-  leader.step(position, feedback, interval_s, torque);
+  leader.step(position_rad, feedback_N_m, interval_s, torque);
   return array_of(torque.data(), static_cast<Eigen::Index>(joints));
 }
 
@@ -110,15 +109,15 @@ class SimulatedArm {
     hand_->fault.rethrow();
   }
 
-  py::array_t<double> read(double stamp_s) {
-    const Vector position = arm_.read(forward(stamp_s, "stamp_s"));
+  py::array_t<double> read(double time_s) {
+    const Vector position = arm_.read(forward(time_s, "time_s"));
     hand_->fault.rethrow();
     return array_of(position);
   }
-  void write(double time_s, py::handle torque_N_m) {
-    const Vector torque = vector_from(torque_N_m, arm_.truth().joint.rows(), "torque_N_m");
-    if (!torque.allFinite()) throw py::value_error("torque_N_m must be finite");
-    arm_.write(forward(time_s, "time_s"), torque);
+  void write(double time_s, py::handle torques) {
+    const Vector torque_N_m = vector_from(torques, arm_.truth().joint.rows(), "torques");
+    if (!torque_N_m.allFinite()) throw py::value_error("torques must be finite");
+    arm_.write(forward(time_s, "time_s"), torque_N_m);
     hand_->fault.rethrow();
   }
   [[nodiscard]] const sim::SimulatedLeader& arm() const noexcept { return arm_; }
@@ -159,7 +158,7 @@ void bind_leader(py::module_& module) {
              return std::make_unique<ForceBoundedLeader>(facts_from(servos, loop));
            }),
            py::arg("servos"))
-      .def("step", &step, py::arg("position_rad"), py::arg("feedback_N_m").none(true), py::arg("interval_s"))
+      .def("step", &step, py::arg("positions"), py::arg("feedback").none(true), py::arg("interval_s"))
       .def("lose", &ForceBoundedLeader::lose, py::arg("interval_s"))
       .def("report_failed_write", &ForceBoundedLeader::report_failed_write)
       .def_property_readonly(
@@ -177,8 +176,8 @@ void bind_leader(py::module_& module) {
              return std::make_unique<SimulatedArm>(servos, loop, inertia_kg_m2, hand, seed);
            }),
            py::arg("servos"), py::arg("inertia_kg_m2"), py::arg("hand"), py::arg("seed"))
-      .def("read", &SimulatedArm::read, py::arg("stamp_s"))
-      .def("write", &SimulatedArm::write, py::arg("time_s"), py::arg("torque_N_m"))
+      .def("read", &SimulatedArm::read, py::arg("time_s"))
+      .def("write", &SimulatedArm::write, py::arg("time_s"), py::arg("torques"))
       .def_property_readonly("P_J", [](const SimulatedArm& a) { return a.arm().audit().energy_J; })
       .def_property_readonly("least_P_J", [](const SimulatedArm& a) { return a.arm().audit().minimum_J; })
       .def_property_readonly("truth", &truth_of);
