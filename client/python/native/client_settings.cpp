@@ -20,44 +20,36 @@ struct AskedClient {
   std::map<std::string, double> parameters{};
 };
 
-struct ClientSetting {
-  const char* name;
-  void (*set)(AskedClient&, py::handle value, const char* name);
-};
-
-std::vector<ClientSetting> client_settings() {
+std::vector<Setting<AskedClient>> client_settings() {
   using A = AskedClient;
-  return {
-      {"server", [](A& a, py::handle value, const char* name) { a.settings.client.server = text_from(value, name); }},
-      {"device",
-       [](A& a, py::handle value, const char*) { a.settings.device = value.cast<device::DeviceDescription>(); }},
-      {"hand", [](A& a, py::handle value, const char* name) { a.settings.client.hand = text_from(value, name); }},
-      {"law", [](A& a, py::handle value, const char* name) { a.settings.client.law = text_from(value, name); }},
-      {"memory", [](A& a, py::handle value, const char* name) { a.memory = text_from(value, name); }},
-      {"parameters",
-       [](A& a, py::handle value, const char*) { a.parameters = value.cast<std::map<std::string, double>>(); }},
-      {"scene", [](A& a, py::handle value, const char* name) { a.settings.client.scene = text_from(value, name); }},
-      {"renders_locally",
-       [](A& a, py::handle value, const char*) { a.settings.client.renders_locally = value.cast<bool>(); }},
-      {"duration_s",
-       [](A& a, py::handle value, const char* name) { a.settings.client.duration_s = seconds_from(value, name); }},
-      {"once", [](A& a, py::handle value, const char*) { a.settings.client.once = value.cast<bool>(); }},
-      {"seed", [](A& a, py::handle value, const char*) { a.settings.client.seed = value.cast<std::uint64_t>(); }},
-      {"recording",
-       [](A& a, py::handle value, const char* name) { a.settings.client.recording = text_from(value, name); }},
-      {"ticks_kept", [](A& a, py::handle value, const char*) { a.settings.ticks_kept = value.cast<std::size_t>(); }},
-      {"key",
-       [](A& a, py::handle value, const char* name) { a.settings.client.identity.key = text_from(value, name); }},
-      {"server_key", [](A& a, py::handle value,
-                        const char* name) { a.settings.client.identity.server_key = text_from(value, name); }},
-      {"known_servers", [](A& a, py::handle value,
-                           const char* name) { a.settings.client.identity.known_servers = text_from(value, name); }},
-      {"shared_key", [](A& a, py::handle value,
-                        const char* name) { a.settings.client.identity.shared_key = text_from(value, name); }},
-      {"trust_new",
-       [](A& a, py::handle value, const char*) { a.settings.client.identity.trust_new = value.cast<bool>(); }},
-      {"insecure", [](A& a, py::handle value, const char*) { a.settings.client.insecure = value.cast<bool>(); }},
+  using Client = client::Client::Settings;
+  using Keys = client::IdentityFiles;
+  const auto client = [](const char* name, auto member) {
+    return setting<A>(name, [member](A& a) { return &(a.settings.client.*member); });
   };
+  const auto keys = [](const char* name, auto member) {
+    return setting<A>(name, [member](A& a) { return &(a.settings.client.identity.*member); });
+  };
+  return {client("server", &Client::server),
+          setting<A>("device", [](A& a) { return &a.settings.device; }),
+          client("hand", &Client::hand),
+          client("law", &Client::law),
+          setting<A>("memory", [](A& a) { return &a.memory; }),
+          setting<A>("parameters", [](A& a) { return &a.parameters; }),
+          client("scene", &Client::scene),
+          client("renders_locally", &Client::renders_locally),
+          {"duration_s",
+           [](A& a, py::handle value, const char* name) { a.settings.client.duration_s = seconds_from(value, name); }},
+          client("once", &Client::once),
+          client("seed", &Client::seed),
+          client("recording", &Client::recording),
+          setting<A>("ticks_kept", [](A& a) { return &a.settings.ticks_kept; }),
+          keys("key", &Keys::key),
+          keys("server_key", &Keys::server_key),
+          keys("known_servers", &Keys::known_servers),
+          keys("shared_key", &Keys::shared_key),
+          keys("trust_new", &Keys::trust_new),
+          client("insecure", &Client::insecure)};
 }
 
 std::unique_ptr<LiveClient> make_client(const py::kwargs& named) {

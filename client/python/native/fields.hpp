@@ -1,8 +1,10 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
+#include "forcebound/time/clock.hpp"
 #include "python/native/arrays.hpp"
 
 namespace forcebound::python {
@@ -51,6 +53,29 @@ void add_fields(Class& type, const std::vector<Field<Struct>>& fields) {
 
 /// A time of at least 0 and at most a million seconds. @throws py::value_error, and as number_from
 [[nodiscard]] double seconds_from(py::handle value, const char* name);
+
+/// What a constructor takes by name, and how it is stored.
+template <class Struct>
+struct Setting {
+  const char* name;
+  std::function<void(Struct&, py::handle value, const char* name)> set;
+};
+
+template <class Value>
+void store(Value& into, py::handle value, const char* /*name*/) {
+  into = value.cast<Value>();
+}
+inline void store(std::string& into, py::handle value, const char* name) { into = text_from(value, name); }
+inline void store(double& into, py::handle value, const char* name) { into = number_from(value, name); }
+inline void store(time::Nanoseconds& into, py::handle value, const char* name) {
+  into = time::from_seconds(seconds_from(value, name));
+}
+
+/// @param place gives its address in a struct; that of a time, which comes in seconds, is of Nanoseconds
+template <class Struct, class Place>
+Setting<Struct> setting(const char* name, Place place) {
+  return {name, [place](Struct& s, py::handle value, const char* of) { store(*place(s), value, of); }};
+}
 
 template <class Struct, class Value>
 Struct struct_of_member(Value Struct::*member);

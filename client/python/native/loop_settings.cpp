@@ -30,32 +30,25 @@ struct Asked {
   std::string hostile{};
 };
 
-time::Nanoseconds duration_from(py::handle value, const char* name) {
-  return time::from_seconds(seconds_from(value, name));
-}
-
 double share_from(py::handle value, const char* name) {
   const double share = number_from(value, name);
   if (share >= 0 && share <= 1) return share;
   throw py::value_error(std::string(name) + " must be 0 to 1, got " + text::to_text(share));
 }
 
-struct Setting {
-  const char* name;
-  void (*set)(Asked&, py::handle value, const char* name);
-};
-
-std::vector<Setting> settings_there_are() {
+std::vector<Setting<Asked>> settings_there_are() {
+  using Loop = sim::ClosedLoop::Settings;
+  const auto loop = [](const char* name, auto member) {
+    return setting<Asked>(name, [member](Asked& a) { return &(a.settings.*member); });
+  };
   return {
       {"scene",
        [](Asked& a, py::handle value, const char*) { a.settings.scene = value.cast<const SceneHandle&>().scene; }},
-      {"device",
-       [](Asked& a, py::handle value, const char*) { a.settings.device = value.cast<device::DeviceDescription>(); }},
-      {"hand", [](Asked& a, py::handle value, const char*) { a.settings.hand = value.cast<std::string>(); }},
-      {"law", [](Asked& a, py::handle value, const char*) { a.settings.law = value.cast<std::string>(); }},
-      {"memory", [](Asked& a, py::handle value, const char*) { a.memory = value.cast<std::string>(); }},
-      {"parameters",
-       [](Asked& a, py::handle value, const char*) { a.parameters = value.cast<std::map<std::string, double>>(); }},
+      loop("device", &Loop::device),
+      loop("hand", &Loop::hand),
+      loop("law", &Loop::law),
+      setting<Asked>("memory", [](Asked& a) { return &a.memory; }),
+      setting<Asked>("parameters", [](Asked& a) { return &a.parameters; }),
       {"own_law",
        [](Asked& a, py::handle value, const char*) {
          a.parts.own_law = std::make_shared<OwnLaw::Shared>();
@@ -67,33 +60,27 @@ std::vector<Setting> settings_there_are() {
          a.parts.own_environment->function = py::reinterpret_borrow<py::object>(value);
        }},
       {"own_hand", [](Asked& a, py::handle value, const char*) { a.parts.own_hand = own_hand_from(value); }},
-      {"hostile_environment", [](Asked& a, py::handle value, const char*) { a.hostile = value.cast<std::string>(); }},
+      setting<Asked>("hostile_environment", [](Asked& a) { return &a.hostile; }),
       {"up", [](Asked& a, py::handle value,
                 const char*) { a.settings.network.up = netem::parse_netem(value.cast<std::string>()); }},
       {"down", [](Asked& a, py::handle value,
                   const char*) { a.settings.network.down = netem::parse_netem(value.cast<std::string>()); }},
       {"trace", [](Asked& a, py::handle value,
                    const char*) { a.settings.network.trace = netem::load_trace(value.cast<std::string>()); }},
-      {"renders_locally",
-       [](Asked& a, py::handle value, const char*) { a.settings.renders_locally = value.cast<bool>(); }},
+      loop("renders_locally", &Loop::renders_locally),
       {"seed", [](Asked& a, py::handle value,
                   const char*) { a.settings.seed = a.settings.network.seed = value.cast<std::uint64_t>(); }},
       {"settle_s",
        [](Asked& a, py::handle value, const char* name) { a.settings.settle_s = seconds_from(value, name); }},
-      {"hold_s",
-       [](Asked& a, py::handle value, const char* name) { a.settings.policy.hold = duration_from(value, name); }},
-      {"drop_s",
-       [](Asked& a, py::handle value, const char* name) { a.settings.policy.drop = duration_from(value, name); }},
+      setting<Asked>("hold_s", [](Asked& a) { return &a.settings.policy.hold; }),
+      setting<Asked>("drop_s", [](Asked& a) { return &a.settings.policy.drop; }),
       {"late_share",
        [](Asked& a, py::handle value, const char* name) { a.settings.timing.late_share = share_from(value, name); }},
-      {"late_s_max",
-       [](Asked& a, py::handle value, const char* name) { a.settings.timing.late_max = duration_from(value, name); }},
-      {"measured_timing",
-       [](Asked& a, py::handle value, const char*) { a.settings.timing.measured = value.cast<bool>(); }},
-      {"choosing_s_max", [](Asked& a, py::handle value,
-                            const char* name) { a.settings.timing.choosing_max = duration_from(value, name); }},
+      setting<Asked>("late_s_max", [](Asked& a) { return &a.settings.timing.late_max; }),
+      setting<Asked>("measured_timing", [](Asked& a) { return &a.settings.timing.measured; }),
+      setting<Asked>("choosing_s_max", [](Asked& a) { return &a.settings.timing.choosing_max; }),
       {"told", [](Asked& a, py::handle value, const char*) { a.settings.told = value.cast<control::DeviceFacts>(); }},
-      {"recording", [](Asked& a, py::handle value, const char*) { a.recording = value.cast<std::string>(); }},
+      setting<Asked>("recording", [](Asked& a) { return &a.recording; }),
   };
 }
 

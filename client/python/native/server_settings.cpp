@@ -12,11 +12,6 @@ namespace {
 
 constexpr int kClientsMost = 64;
 
-struct ServerSetting {
-  const char* name;
-  void (*set)(LiveServer::Settings&, py::handle value, const char* name);
-};
-
 std::size_t clients_from(py::handle value, const char* name, int least) {
   return static_cast<std::size_t>(whole_from(value, name, least, kClientsMost));
 }
@@ -27,16 +22,24 @@ time::Nanoseconds idle_from(py::handle value, const char* name) {
   throw py::value_error(std::string(name) + " must be 1 to 1e6 s, got " + py::str(value).cast<std::string>());
 }
 
-std::vector<ServerSetting> server_settings() {
+std::vector<Setting<LiveServer::Settings>> server_settings() {
   using S = LiveServer::Settings;
+  using Keys = server::KeyFiles;
+  using Probe = server::ProbeFacts;
+  const auto keys = [](const char* name, auto member) {
+    return setting<S>(name, [member](S& s) { return &(s.server.keys.*member); });
+  };
+  const auto probe = [](const char* name, auto member) {
+    return setting<S>(name, [member](S& s) { return &(s.probe.*member); });
+  };
   return {
-      {"name", [](S& s, py::handle value, const char* name) { s.offer.name = text_from(value, name); }},
-      {"simulated", [](S& s, py::handle value, const char* name) { s.offer.simulated = text_from(value, name); }},
-      {"listen", [](S& s, py::handle value, const char* name) { s.server.listen = text_from(value, name); }},
-      {"key", [](S& s, py::handle value, const char* name) { s.server.keys.key = text_from(value, name); }},
-      {"clients", [](S& s, py::handle value, const char* name) { s.server.keys.clients = text_from(value, name); }},
-      {"shared_key", [](S& s, py::handle value, const char* name) { s.server.keys.psk = text_from(value, name); }},
-      {"insecure", [](S& s, py::handle value, const char*) { s.server.keys.insecure = value.cast<bool>(); }},
+      setting<S>("name", [](S& s) { return &s.offer.name; }),
+      setting<S>("simulated", [](S& s) { return &s.offer.simulated; }),
+      setting<S>("listen", [](S& s) { return &s.server.listen; }),
+      keys("key", &Keys::key),
+      keys("clients", &Keys::clients),
+      keys("shared_key", &Keys::psk),
+      keys("insecure", &Keys::insecure),
       {"clients_max",
        [](S& s, py::handle value, const char* name) { s.server.options.sessions_max = clients_from(value, name, 1); }},
       {"clients_per_address",
@@ -45,12 +48,10 @@ std::vector<ServerSetting> server_settings() {
        }},
       {"idle_s",
        [](S& s, py::handle value, const char* name) { s.server.options.idle_timeout = idle_from(value, name); }},
-      {"probe_radius_m", [](S& s, py::handle value, const char* name) { s.probe.radius_m = number_from(value, name); }},
-      {"probe_mass_kg", [](S& s, py::handle value, const char* name) { s.probe.mass_kg = number_from(value, name); }},
-      {"probe_stiffness_N_per_m",
-       [](S& s, py::handle value, const char* name) { s.probe.stiffness_N_per_m = number_from(value, name); }},
-      {"probe_damping_N_s_per_m",
-       [](S& s, py::handle value, const char* name) { s.probe.damping_N_s_per_m = number_from(value, name); }},
+      probe("probe_radius_m", &Probe::radius_m),
+      probe("probe_mass_kg", &Probe::mass_kg),
+      probe("probe_stiffness_N_per_m", &Probe::stiffness_N_per_m),
+      probe("probe_damping_N_s_per_m", &Probe::damping_N_s_per_m),
   };
 }
 
