@@ -49,7 +49,7 @@ void Summary::add_force_stream(const TickRecord& tick) noexcept {
   if (tick.model_trust) model_trust_.add(*tick.model_trust);
   if (tick.force_sequence != 0) age_ns_.add(tick.force_age.count());
   if (waiting_ && tick.force_sequence == arrived_motion_) {
-    wait_ns_.add((tick.force_age - arrived_round_trip_).count());
+    wait_ns_.add(std::max(Nanoseconds::zero(), tick.time - arrival_).count());
     waiting_ = false;
   }
   if (tick.policy == ForcePolicy::fading) ++fading_ticks_;
@@ -129,7 +129,6 @@ void Summary::on_force(const ForceRecord& record) noexcept {
   add_follower(record);
   arrival_ = record.receive_time;
   arrived_motion_ = force.motion_sequence;
-  arrived_round_trip_ = record.round_trip;
   waiting_ = true;
 }
 

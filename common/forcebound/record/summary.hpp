@@ -131,8 +131,7 @@ class Summary final : public TickSink {
   Nanoseconds arrival_{0};  ///< of the last force
   Histogram round_trip_ns_, compute_ns_, network_ns_, server_ns_, wait_ns_, age_ns_;
   std::uint64_t arrived_motion_ = 0;  ///< which motion the last force answers ...
-  Nanoseconds arrived_round_trip_{0};
-  bool waiting_ = false;  ///< ... and whether a tick has used it yet
+  bool waiting_ = false;              ///< ... and whether a tick has used it yet
   control::FollowerState follower_ = control::FollowerState::none;
   bool has_follower_ = false;
   std::uint64_t follower_changes_ = 0;

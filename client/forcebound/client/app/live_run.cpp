@@ -276,7 +276,7 @@ class LiveRun {
   }
 
   int conclude(const Client& client) {
-    const bool written = write_summary(file_of_run(options_.summary, run_), client.summary());
+    const bool written = write_summary(file_of_run(options_.summary, run_), client.summary().to_json());
     const std::string why_none = client.why_no_session();
     if (!why_none.empty()) spdlog::error("gave up: {}", why_none);
     if (!next_) std::fputs(client.summary().to_text(text::colour_for(STDOUT_FILENO)).c_str(), stdout);

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "forcebound/baselines/law_file.hpp"
@@ -25,6 +26,17 @@
 #include "forcebound/text/terminal.hpp"
 
 namespace forcebound::client {
+namespace {
+
+std::string summary_json(const record::Summary& summary, const std::function<NamedCounts()>& counts) {
+  if (!counts) return summary.to_json();
+  nlohmann::ordered_json json = nlohmann::ordered_json::parse(summary.to_json());
+  for (const auto& [name, count] : counts()) json["counts"][name] = count;
+  return json.dump(2) + "\n";
+}
+
+}  // namespace
+
 int run(const Options& options, const std::atomic<bool>& stop, const RunAdditions& more) {
   const control::LawRegistry laws = law_plugin::known_laws();
   const device::DeviceRegistry devices = known_devices();
@@ -84,7 +96,7 @@ int run(const Options& options, const std::atomic<bool>& stop, const RunAddition
   screen.end(last);
 
   std::fputs(client.summary().to_text(text::colour_for(STDOUT_FILENO)).c_str(), stdout);
-  const bool written = write_summary(options.summary, client.summary());
+  const bool written = write_summary(options.summary, summary_json(client.summary(), more.counts));
   const std::string why_none = client.why_no_session();
   if (!why_none.empty()) spdlog::error("gave up: {}", why_none);
   return exit_code_of(client, written);

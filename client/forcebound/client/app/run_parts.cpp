@@ -16,10 +16,10 @@
 
 namespace forcebound::client {
 
-bool write_summary(const std::string& file, const record::Summary& summary) {
+bool write_summary(const std::string& file, const std::string& json) {
   if (file.empty()) return true;
   try {
-    text::write_file(file, summary.to_json());
+    text::write_file(file, json);
     return true;
   } catch (const std::runtime_error& error) {
     spdlog::error("{}", error.what());

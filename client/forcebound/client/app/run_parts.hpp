@@ -12,7 +12,7 @@
 namespace forcebound::client {
 
 /// False, and logged, if not all of it could be written. @param file empty: it is not wanted
-bool write_summary(const std::string& file, const record::Summary& summary);
+bool write_summary(const std::string& file, const std::string& json);
 
 /// @throws std::exception if the file with the law's parameters is refused
 [[nodiscard]] control::LawOptions law_options(const Options& options, const control::LawRegistry& laws);

@@ -104,6 +104,24 @@ struct EndOfLoop {
 }  // namespace
 
 struct Client::Parts {
+  /// Real time: noexcept, no allocation.
+  struct AmendedTicks final : record::TickSink {
+    AmendedTicks(TickAmendment& its, std::vector<record::TickSink*> others) : by(its), sinks(std::move(others)) {}
+
+    void on_tick(const record::TickRecord& tick) noexcept override {
+      record::TickRecord amended = tick;
+      by.amend(amended);
+      for (record::TickSink* sink : sinks) sink->on_tick(amended);
+    }
+    void on_force(const record::ForceRecord& force) noexcept override {
+      by.on_force(force);
+      for (record::TickSink* sink : sinks) sink->on_force(force);
+    }
+
+    TickAmendment& by;
+    std::vector<record::TickSink*> sinks;
+  };
+
   Parts(const Settings& chosen, device::HapticDevice& its_device, std::unique_ptr<control::PassivityLaw> law,
         std::vector<record::TickSink*> others)
       : settings(suited_to(*law, chosen)),
@@ -120,6 +138,10 @@ struct Client::Parts {
       writer.emplace(settings.recording, info);
       for (const record::RecordedFile& file : settings.attachments) writer->attach(file, clock.now());
       sinks.push_back(&recorder);
+    }
+    if (settings.amendment != nullptr) {
+      amended.emplace(*settings.amendment, std::move(sinks));
+      sinks = {&*amended};
     }
     if (settings.renders_locally) {
       const auto rows = static_cast<std::uint32_t>(device.facts().translations());
@@ -198,6 +220,7 @@ struct Client::Parts {
   std::optional<record::RecordingWriter> writer;
   EventQueue events;
   std::vector<record::TickSink*> sinks;
+  std::optional<AmendedTicks> amended;  // has them then, and is the only one
   std::optional<LocalRendering> local;
   std::shared_ptr<const scene::Scene> recorded_scene;
   std::optional<Session> session;

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "forcebound/client/runtime/tick_amendment.hpp"
 #include "forcebound/client/security/identity_files.hpp"
 #include "forcebound/client/session/late_force_policy.hpp"
 #include "forcebound/client/session/motion_schedule.hpp"
@@ -59,7 +60,8 @@ class Client {
     bool beside = false;
     /// The process goes on where the device does not return from a call: the watchdog stops it, and the tick waits.
     bool outlives_device = false;
-    ViewSink* view = nullptr;  ///< is told how the scene looks, by servers that tell; must outlive the client
+    TickAmendment* amendment = nullptr;  ///< of each tick before it is recorded; must outlive the client
+    ViewSink* view = nullptr;            ///< is told how the scene looks, by servers that tell; must outlive the client
     net::Resolver resolver = net::look_up;  ///< finds the addresses of the server's name
     // Further entries of the recording's metadata.
     std::string program{};

@@ -77,6 +77,33 @@ TEST(Client, RefusesAServerThatIsNoAddress) {
   EXPECT_THROW((void)client_of(settings, device), std::exception);
 }
 
+TEST(Client, RecordsTicksAsTheyAreAmended) {
+  struct AnHourOld final : TickAmendment {
+    void on_force(const record::ForceRecord& /*force*/) noexcept override {}
+    void amend(record::TickRecord& tick) noexcept override {
+      tick.force_sequence = tick.tick;
+      tick.force_age = std::chrono::hours{1};
+    }
+  };
+  struct OtherAges final : record::TickSink {
+    void on_tick(const record::TickRecord& tick) noexcept override {
+      if (tick.force_age != std::chrono::hours{1}) ++count;
+    }
+    int count = 0;
+  };
+  test::FakeDevice device(1);
+  AnHourOld amendment;
+  OtherAges others;
+  Client::Settings settings = closed_port();
+  settings.amendment = &amendment;
+  Client client(settings, device, control::force_bounding_laws().make("fba-exact", device.facts()), {&others});
+  const std::atomic<bool> stop{false};
+  client.run(stop);
+  EXPECT_EQ(others.count, 0);
+  EXPECT_NE(client.summary().to_text().find("force age"), std::string::npos) << client.summary().to_text();
+  EXPECT_NE(client.summary().to_json().find("3600000"), std::string::npos) << "ms";
+}
+
 TEST(EventQueue, CountsWhatItHasNoRoomFor) {
   EventQueue queue;
   Event event;
