@@ -28,10 +28,17 @@ bool StateQueue::wait_and_take(StateSample& sample) noexcept {
   for (;;) {
     const std::uint32_t seen = changes_.load(std::memory_order_acquire);
     const bool closed = closed_.load(std::memory_order_acquire);
-    if (waiting_.pop(sample)) return true;
+    if (pop_newest(sample)) return true;
     if (closed) return false;
     changes_.wait(seen, std::memory_order_acquire);
   }
+}
+
+/// The oldest of the last ten.
+bool StateQueue::pop_newest(StateSample& sample) noexcept {
+  std::size_t waiting = waiting_.read_available();
+  for (; waiting > kKept && waiting_.pop(sample); --waiting) dropped_.fetch_add(1, std::memory_order_relaxed);
+  return waiting_.pop(sample);
 }
 
 void StateQueue::close() noexcept {

@@ -25,7 +25,8 @@ struct StateSample {
   control::Handle handle{};
 };
 
-/// Carries samples from the tick to the thread that publishes them. A full queue drops them and counts: a second fits.
+/// Carries samples from the tick to the thread that publishes them: of those that wait the last ten, as DDS keeps them,
+/// so that they are not old where that thread is slow. Others are dropped and counted.
 ///
 /// Real time: `push` and `on_tick` are noexcept, allocate nothing and never wait; they wake the other thread. One
 /// thread calls them, one other `wait_and_take`, any `close`.
@@ -38,7 +39,7 @@ class StateQueue final : public record::TickSink {
   void on_tick(const record::TickRecord& tick) noexcept override;
   void on_force(const record::ForceRecord& /*force*/) noexcept override {}
 
-  /// Waits for the oldest. False: it was closed, and all are taken.
+  /// Waits for the oldest that is not dropped. False: it was closed, and all are taken.
   [[nodiscard]] bool wait_and_take(StateSample& sample) noexcept;
 
   /// Nobody pushes any more.
@@ -47,6 +48,9 @@ class StateQueue final : public record::TickSink {
   [[nodiscard]] std::uint64_t dropped() const noexcept { return dropped_.load(std::memory_order_relaxed); }
 
  private:
+  [[nodiscard]] bool pop_newest(StateSample& sample) noexcept;
+
+  static constexpr std::size_t kKept = 10;
   static constexpr std::size_t kCapacity = 1024;
 
   boost::lockfree::spsc_queue<StateSample> waiting_{kCapacity};
