@@ -111,6 +111,47 @@ TEST(Ros2, GivesMotionsAndTakesForcesAtTheRateOfTheTick) {
   EXPECT_GT(hand.wrenches("taken"), 500U);
   EXPECT_GT(hand.answers("fresh"), 500U);
   EXPECT_EQ(counted(hand.out(), "measured", "refused by DDS"), 0U);
+  const nlohmann::json& counts = summary["counts"];
+  EXPECT_EQ(counts["wrenches_taken"], hand.wrenches("taken"));
+  EXPECT_EQ(counts["answers_fresh"], hand.answers("fresh"));
+  EXPECT_EQ(counts["measured_refused_by_dds"], 0);
+  EXPECT_EQ(counts["publishers"], 1);
+}
+
+TEST(Ros2, SaysItsDomainItsTopicsAndOnceThatNobodyPublishes) {
+  Hand hand(new_namespace());
+  const std::string topic = hand.name_space() + "/servo_cf";
+  EXPECT_THAT(hand.err(), HasSubstr("DDS domain " + domain() + " of this machine: publishes " + hand.name_space() +
+                                    "/measured_cp, "));
+  EXPECT_THAT(hand.err(), HasSubstr("subscribes to " + topic + " (geometry_msgs/msg/WrenchStamped)"));
+  EXPECT_TRUE(hand.wait_for(topic + ": nobody publishes here, in domain " + domain() +
+                            "; wanted is geometry_msgs/msg/WrenchStamped, reliable or best effort"));
+  const nlohmann::json summary = hand.end();
+  EXPECT_EQ(occurrences(hand.err(), "nobody publishes"), 1U) << hand.err();
+  EXPECT_THAT(hand.out(), HasSubstr("publishers: 0 connected\n"));
+  EXPECT_THAT(hand.out(), HasSubstr("nobody published " + topic));
+  EXPECT_EQ(summary["counts"]["publishers"], 0);
+  EXPECT_TRUE(summary["force_age_ms"]["p50"].is_null()) << "there was no force: " << summary["force_age_ms"];
+}
+
+TEST(Ros2, SaysThatAPublisherCameAndLeft) {
+  Hand hand(new_namespace());
+  Peer(hand.name_space(), {"seconds=1", "publish=constant"}).heard();
+  EXPECT_TRUE(hand.wait_for("/servo_cf: a publisher is gone, 0 now"));
+  const nlohmann::json summary = hand.end();
+  EXPECT_THAT(hand.err(), HasSubstr(hand.name_space() + "/servo_cf: a publisher is here, 1 now"));
+  EXPECT_THAT(hand.out(), Not(HasSubstr("nobody published")));
+  EXPECT_EQ(summary["counts"]["publishers"], 1);
+}
+
+TEST(Ros2, NamesTheQualityOfServiceThatDoesNotFit) {
+  Hand hand(new_namespace());
+  Peer peer(hand.name_space(), {"seconds=4", "publish=constant", "ownership=exclusive"});
+  EXPECT_TRUE(hand.wait_for("somebody publishes " + hand.name_space() +
+                            "/servo_cf with another quality of service (ownership), and is not connected; accepted is "
+                            "ROS 2's default"));
+  EXPECT_EQ(peer.heard()["matched"], false);
+  EXPECT_EQ(hand.end()["counts"]["publishers_of_another_qos"], 1);
 }
 
 TEST(Ros2, BestEffortIsHeardToo) {
@@ -125,12 +166,14 @@ TEST(Ros2, BestEffortIsHeardToo) {
 TEST(Ros2, FadesAndDropsTheForceOfAPublisherThatFallsSilent) {
   Hand hand(new_namespace());
   const nlohmann::json heard = Peer(hand.name_space(), {"seconds=3", "publish=constant", "until-s=1"}).heard();
-  hand.end();
+  const nlohmann::json summary = hand.end();
   EXPECT_GT(heard["largest_N"], 0.1);
   EXPECT_EQ(heard["force_N"], 0);
   EXPECT_GT(hand.answers("fading"), 0U);
   EXPECT_GT(hand.answers("zero"), 0U);
   EXPECT_THAT(hand.err(), HasSubstr("ms old: zero force"));
+  EXPECT_GT(summary["late_force"]["dropped_ticks"], 0) << "of the wrench, not of the server within";
+  EXPECT_GE(summary["force_age_ms"]["max"], 500) << "the wrench's, which those dropped were";
 }
 
 TEST(Ros2, RefusesWhatIsNotFinite) {
@@ -150,17 +193,18 @@ TEST(Ros2, RefusesAnotherFrame) {
   hand.end();
   EXPECT_EQ(heard["largest_N"], 0);
   EXPECT_GT(hand.wrenches("in another frame"), 0U);
+  EXPECT_THAT(hand.err(), HasSubstr("its frame is 'tool0', accepted is 'forcebound' (--frame), or none"));
   EXPECT_EQ(hand.wrenches("taken"), 0U);
 }
 
 TEST(Ros2, NamesATopicOfAForeignTypeInOneLine) {
   Hand hand(new_namespace());
   Peer peer(hand.name_space(), {"seconds=4", "publish=constant", "type=std_msgs::msg::dds_::String_"});
-  EXPECT_TRUE(hand.wait_for("somebody publishes rt" + hand.name_space() +
-                            "/servo_cf as 'std_msgs::msg::dds_::String_', and is not connected; accepted is "
-                            "'geometry_msgs::msg::dds_::WrenchStamped_'"));
+  EXPECT_TRUE(hand.wait_for("somebody publishes " + hand.name_space() +
+                            "/servo_cf as std_msgs/msg/String, and is not connected; accepted is "
+                            "geometry_msgs/msg/WrenchStamped"));
   const nlohmann::json heard = peer.heard();
-  hand.end();
+  EXPECT_EQ(hand.end()["counts"]["publishers_of_another_type"], 1);
   EXPECT_EQ(heard["matched"], false);
   EXPECT_EQ(heard["largest_N"], 0);
   EXPECT_EQ(occurrences(hand.err(), "somebody publishes"), 1U) << hand.err();
@@ -203,7 +247,9 @@ TEST(Ros2, GoesOnUnderAFlood) {
 
 TEST(Ros2, ServesTheHandOfAClientElsewhere) {
   const std::string name_space = new_namespace();
-  Listener server(kRos2, {"--namespace", name_space, "--domain", domain()});
+  const TemporaryFolder folder;
+  const std::string file = folder.file("server.json");
+  Listener server(kRos2, {"--namespace", name_space, "--domain", domain(), "--summary", file});
   Client client(server.address(), {"--device", "omni", "--operator", "trace-sphere", "--quiet"});
   EXPECT_TRUE(client.wait_for("connected; simulated: ")) << client.err();
   const nlohmann::json heard = Peer(name_space, {"seconds=3", "publish=spring"}).heard();
@@ -218,6 +264,9 @@ TEST(Ros2, ServesTheHandOfAClientElsewhere) {
   EXPECT_GT(heard["way_m"], 0.01);
   EXPECT_GT(heard["largest_N"], 0.1);
   EXPECT_GT(counted(server.out(), "answers", "fresh"), 100U);
+  const nlohmann::json summary = nlohmann::json::parse(content(file), nullptr, false);
+  EXPECT_EQ(summary["answers_fresh"], counted(server.out(), "answers", "fresh"));
+  EXPECT_EQ(summary["counts"]["sessions_opened"], 1);
 }
 
 TEST(Ros2, RefusesWrongUseInOneLine) {

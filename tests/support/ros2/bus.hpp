@@ -95,6 +95,7 @@ struct Settings {
   std::string name_space{};
   std::string type{"geometry_msgs::msg::dds_::WrenchStamped_"};  ///< of what it publishes
   bool best_effort = false;
+  bool exclusive = false;  ///< it owns its topic
 };
 
 class Bus {

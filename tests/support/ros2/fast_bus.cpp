@@ -124,6 +124,7 @@ class FastBus final : public Bus {
     dds::DataWriterQos qos = dds::DATAWRITER_QOS_DEFAULT;
     qos.reliability().kind = reliability();
     qos.history().depth = kDepth;
+    if (settings_.exclusive) qos.ownership().kind = dds::EXCLUSIVE_OWNERSHIP_QOS;
     dds::Publisher* const publisher = made(participant_->create_publisher(dds::PUBLISHER_QOS_DEFAULT), "publisher");
     writer_ = made(publisher->create_datawriter(topic<Wrench>("servo_cf", settings_.type), qos), "writer");
   }

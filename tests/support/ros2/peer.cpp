@@ -1,8 +1,7 @@
 // A stand-in for a ROS 2 node, on another implementation of DDS: publishes wrenches, and prints in JSON what it heard.
 //
 //     ros2_peer bus=fast|cyclone domain=N namespace=/NAME seconds=S publish=KIND [hz=N] [force=N] [type=NAME]
-//     [frame=NAME]
-//               [stamp=now|1970|2100] [reliability=best-effort] [until-s=S]
+//               [frame=NAME] [stamp=now|1970|2100] [reliability=best-effort] [ownership=exclusive] [until-s=S]
 //
 // KIND: none; constant; spring, answering each pose; toggle, +force and -force each 50 ms, which measures how long one
 // takes to be applied; nan; flood, as fast as it can. It publishes from when somebody subscribes, until-s seconds long,
@@ -163,7 +162,8 @@ class Peer {
     const Settings settings{.domain = static_cast<std::uint32_t>(options.number("domain", 0)),
                             .name_space = options.text("namespace", ""),
                             .type = options.text("type", Settings{}.type),
-                            .best_effort = options.text("reliability", "reliable") == "best-effort"};
+                            .best_effort = options.text("reliability", "reliable") == "best-effort",
+                            .exclusive = options.text("ownership", "shared") == "exclusive"};
     const Ears ears{.pose = [this](const Pose& message) { hear(message); },
                     .twist = [this](const Twist& message) { heard_.twist(message); },
                     .wrench = [this](const Wrench& message) { heard_.wrench(message); },

@@ -84,7 +84,7 @@ void expect_one_hand(const CLI::App& app, const Options& options) {
     return;
   }
   for (const char* const name : {"--device", "--operator", "--rate", "--law", "--law-parameters", "--law-help",
-                                 "--memory", "--duration", "--record", "--summary", "--quiet"}) {
+                                 "--memory", "--duration", "--record", "--quiet"}) {
     if (app.count(name) > 0) {
       throw std::invalid_argument(std::string(name) + " does not go with --listen: device and law are the client's");
     }
@@ -95,7 +95,7 @@ void expect_one_hand(const CLI::App& app, const Options& options) {
 
 Options parse_options(int argc, const char* const* argv) {
   Options options;
-  options.client.client.program = "forcebound-ros2 " FORCEBOUND_VERSION;
+  options.client.client.program = kProgramAndVersion;
   options.client.client.law = "fba-exact";
   options.client.client.scene = "ros2";
   options.client.client.renders_locally = false;

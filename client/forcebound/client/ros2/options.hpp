@@ -18,6 +18,7 @@ struct Options {
 };
 
 inline constexpr const char* kProgram = "forcebound-ros2";
+inline constexpr const char* kProgramAndVersion = "forcebound-ros2 " FORCEBOUND_VERSION;
 
 /// Parses and completes the options.
 /// @throws program::End for help, version and wrong use; std::invalid_argument for wrong use.

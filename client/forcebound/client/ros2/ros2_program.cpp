@@ -4,12 +4,12 @@
 #include <spdlog/spdlog.h>
 
 #include <atomic>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
-#include <exception>
-#include <stop_token>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "forcebound/client/app/run.hpp"
 #include "forcebound/client/ros2/hand_on_topics.hpp"
@@ -17,11 +17,10 @@
 #include "forcebound/net/endpoint.hpp"
 #include "forcebound/program/command_line.hpp"
 #include "forcebound/program/log.hpp"
-#include "forcebound/server/app/key_options.hpp"
 #include "forcebound/server/app/log_observer.hpp"
-#include "forcebound/server/runtime/udp_server.hpp"
+#include "forcebound/server/runtime/embedded_server.hpp"
+#include "forcebound/text/file.hpp"
 #include "forcebound/text/printable.hpp"
-#include "forcebound/time/real_time.hpp"
 #include "forcebound/time/steady_clock.hpp"
 
 namespace forcebound::ros2 {
@@ -43,16 +42,35 @@ void log_of_dds() {
       nullptr);
 }
 
-void serve(server::UdpServer& server, const std::stop_token& ended) noexcept {
-  // Below the tick's priority. Refused, it is as late as other threads.
-  constexpr int kPriority = 40;
-  (void)time::ask_for_first_in_first_out(kPriority);
-  try {
-    server.run(ended);
-  } catch (const std::exception& error) {
-    spdlog::error("{}", error.what());
-    stop_asked = true;
-  }
+server::EmbeddedServer::Settings settings_of(const Options& options, server::ServerObserver* observer) {
+  constexpr int kPriority = 40;  // below the tick's
+  return {.listen = options.listen.empty() ? "127.0.0.1:0" : options.listen,
+          .keys = options.keys,
+          .observer = observer,
+          .priority = kPriority,
+          .by_options = true};
+}
+
+/// Several times a second.
+void look_after(const server::EmbeddedServer& server, HandOnTopics& hand) {
+  hand.log_news();
+  if (!server.is_running()) stop_asked = true;
+}
+
+/// The counts as JSON has them.
+template <class Count>
+std::vector<Count> named(const HandOnTopics& hand) {
+  std::vector<Count> all;
+  for (const HandOnTopics::Count& count : hand.counts()) all.push_back({count.name, count.count});
+  return all;
+}
+
+/// @returns the exit code @param code of all else
+int end(server::EmbeddedServer& server, const HandOnTopics& hand, int code) {
+  const bool failed = server.stop() == server::EmbeddedServer::Stopped::with_failure;
+  if (failed) spdlog::error("{}", server.failure());
+  std::fputs(hand.totals().c_str(), stdout);
+  return failed ? program::kFailed : code;
 }
 
 /// The device here is the client of a server in this process, whose environment the topics are.
@@ -60,40 +78,37 @@ int run_device(const Options& options) {
   client::Options own = options.client;
   if (!own.law_help.empty()) return client::run(own, stop_asked);
   HandOnTopics hand(options);
-  server::UdpServer server(server::listen({"127.0.0.1", 0}), {.scene = "ros2"}, hand.environments());
+  server::EmbeddedServer server(settings_of(options, nullptr), hand.environment(), HandOnTopics::kSimulated);
+  spdlog::info("{}", hand.in_words());
+  (void)server.start();
   own.client.server = net::to_string(server.address());
-  int code = program::kFailed;
-  {
-    const std::jthread serving([&](const std::stop_token& ended) { serve(server, ended); });
-    code = client::run(own, stop_asked, {.sinks = {&hand.ticks()}, .housekeeping = [&] { hand.log_news(); }});
-  }
-  std::fputs(hand.totals().c_str(), stdout);
-  return code;
+  own.client.amendment = &hand.ages();
+  const int code = client::run(own, stop_asked,
+                               {.sinks = {&hand.ticks()},
+                                .housekeeping = [&] { look_after(server, hand); },
+                                .counts = [&] { return named<client::NamedCounts::value_type>(hand); }});
+  return end(server, hand, code);
 }
 
 /// The device is another's, who is a client of the server here.
 int run_server(const Options& options) {
-  constexpr time::Nanoseconds kNews = std::chrono::milliseconds{50};
-  const net::Address address = net::resolve(net::parse_endpoint(options.listen));
-  server::expect_bounds(options.keys);
-  server::expect_encryption(options.keys, address);
-  auto keys = server::read_keys(options.keys, {"ros2"});
-  const std::string encryption = server::encryption_in_words(options.keys, keys);
-  HandOnTopics hand(options);
+  const std::string& summary = options.client.summary;
+  if (!summary.empty()) text::expect_writable(summary);
   const time::SteadyClock clock;
   server::LogObserver log(clock);
-  server::UdpServer server(server::listen_at(address), {.scene = "ros2"}, hand.environments(), &log, std::move(keys));
-  spdlog::info("listening on {}, {}", net::to_string(server.address()), encryption);
-  time::Nanoseconds logged = clock.now();
+  HandOnTopics hand(options);
+  server::EmbeddedServer server(settings_of(options, &log), hand.environment(), HandOnTopics::kSimulated);
+  spdlog::info("listening on {}, {}", net::to_string(server.address()), server.encryption_in_words());
+  spdlog::info("{}", hand.in_words());
+  (void)server.start();
   while (!stop_asked) {
-    server.turn();
-    if (clock.now() - logged < kNews) continue;
-    hand.log_news();
-    logged = clock.now();
+    look_after(server, hand);
+    std::this_thread::sleep_for(std::chrono::milliseconds{50});
   }
-  server.stop();
-  std::fputs(hand.totals().c_str(), stdout);
-  return program::kDone;
+  const int code = end(server, hand, program::kDone);
+  if (summary.empty()) return code;
+  text::write_file(summary, server.summary(kProgramAndVersion, named<server::EmbeddedServer::OwnCount>(hand)));
+  return code;
 }
 
 int run(const Options& options) {

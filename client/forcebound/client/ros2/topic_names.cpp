@@ -4,12 +4,20 @@
 #include <stdexcept>
 
 #include "forcebound/text/numbers.hpp"
+#include "forcebound/text/printable.hpp"
 
 namespace forcebound::ros2 {
 namespace {
 
 // A participant's ports are at 7400 + 250 domain: further domains have none.
 constexpr unsigned kDomainMost = 232;
+
+constexpr std::string_view kPrefix = "rt";  // of topics, before the namespace
+
+std::string shown(std::string_view name) {
+  constexpr std::size_t kMost = 120;
+  return text::printable(name.substr(0, kMost));
+}
 
 bool is_token(std::string_view token) {
   const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
@@ -47,7 +55,20 @@ std::string checked_namespace(std::string_view name_space) {
 }
 
 std::string dds_topic(std::string_view name_space, std::string_view name) {
-  return "rt" + std::string(name_space) + "/" + std::string(name);
+  return std::string(kPrefix) + std::string(name_space) + "/" + std::string(name);
+}
+
+std::string ros_topic(std::string_view topic_of_dds) {
+  if (topic_of_dds.starts_with(kPrefix)) topic_of_dds.remove_prefix(kPrefix.size());
+  return shown(topic_of_dds);
+}
+
+std::string ros_type(std::string_view type_of_dds) {
+  constexpr std::string_view kFolders = "::msg::dds_::";
+  const std::size_t at = type_of_dds.find(kFolders);
+  if (at == std::string_view::npos || !type_of_dds.ends_with('_')) return shown(type_of_dds);
+  const std::string_view name = type_of_dds.substr(at + kFolders.size());
+  return shown(std::string(type_of_dds.substr(0, at)) + "/msg/" + std::string(name.substr(0, name.size() - 1)));
 }
 
 unsigned domain_of(std::string_view given, const char* environment) {

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "forcebound/client/ros2/dds_entities.hpp"
-#include "forcebound/client/ros2/mismatch_watch.hpp"
+#include "forcebound/client/ros2/peer_watch.hpp"
 #include "forcebound/client/ros2/topic_names.hpp"
 #include "forcebound/time/steady_clock.hpp"
 #include "messages.h"
@@ -23,14 +23,16 @@ constexpr const char* kLoopback =
 
 enum class Out : std::size_t { pose, twist, wrench, joints, joy, state };
 constexpr std::size_t kOuts = 6;
-constexpr std::array<const char*, kOuts> kNames{"measured_cp", "measured_cv", "measured_cf",
-                                                "measured_js", "joy",         "operating_state"};
-const std::array<const dds_topic_descriptor_t*, kOuts> kTypes{&geometry_msgs_msg_dds__PoseStamped__desc,
-                                                              &geometry_msgs_msg_dds__TwistStamped__desc,
-                                                              &geometry_msgs_msg_dds__WrenchStamped__desc,
-                                                              &sensor_msgs_msg_dds__JointState__desc,
-                                                              &sensor_msgs_msg_dds__Joy__desc,
-                                                              &crtk_msgs_msg_dds__OperatingState__desc};
+struct OutRow {
+  const char* name;
+  const dds_topic_descriptor_t* type;
+};
+const std::array<OutRow, kOuts> kRows{{{"measured_cp", &geometry_msgs_msg_dds__PoseStamped__desc},
+                                       {"measured_cv", &geometry_msgs_msg_dds__TwistStamped__desc},
+                                       {"measured_cf", &geometry_msgs_msg_dds__WrenchStamped__desc},
+                                       {"measured_js", &sensor_msgs_msg_dds__JointState__desc},
+                                       {"joy", &sensor_msgs_msg_dds__Joy__desc},
+                                       {"operating_state", &crtk_msgs_msg_dds__OperatingState__desc}}};
 constexpr const char* kIn = "servo_cf";
 
 template <class Xyz>
@@ -75,12 +77,13 @@ struct Topics::Parts {
         domain(open_domain(settings)),
         participant(made(dds_create_participant(settings.domain, nullptr, nullptr),
                          "a participant in domain " + std::to_string(settings.domain))),
-        watch(participant.get()) {
+        watch(participant.get(), clock.now()) {
     for (std::size_t i = 0; i < kOuts; ++i) {
       const Qos qos = qos_of(DDS_RELIABILITY_RELIABLE, static_cast<Out>(i) == Out::state);
-      const std::string name = dds_topic(settings.name_space, kNames[i]);
-      writers[i] = made(dds_create_writer(participant.get(), topic(name, *kTypes[i]), qos.get(), nullptr), name);
-      watch.add({.topic = name, .type = kTypes[i]->m_typename, .entity = writers[i], .direction = Direction::out});
+      const std::string name = dds_topic(settings.name_space, kRows[i].name);
+      const dds_topic_descriptor_t& type = *kRows[i].type;
+      writers[i] = made(dds_create_writer(participant.get(), topic(name, type), qos.get(), nullptr), name);
+      watch.add({.topic = name, .type = type.m_typename, .entity = writers[i], .direction = Direction::out});
     }
     const std::unique_ptr<dds_listener_t, decltype(&dds_delete_listener)> listener(dds_create_listener(this),
                                                                                    &dds_delete_listener);
@@ -157,7 +160,7 @@ struct Topics::Parts {
   time::SteadyClock clock{};
   Entity domain;
   Entity participant;
-  MismatchWatch watch;
+  PeerWatch watch;
   std::array<dds_entity_t, kOuts> writers{};
   std::optional<std::pair<OperatingState, bool>> published{};
   std::atomic<std::uint64_t> not_written{0};
@@ -201,7 +204,20 @@ void Topics::publish(OperatingState state, bool is_busy) {
                                                          .is_busy = is_busy});
 }
 
-std::vector<std::string> Topics::take_news() { return parts_->watch.take_news(); }
+std::string Topics::in_words() const {
+  const Settings& settings = parts_->settings;
+  std::string words = "DDS domain " + std::to_string(settings.domain) +
+                      (settings.beyond_this_machine ? " of the network" : " of this machine") + ": publishes ";
+  for (const OutRow& row : kRows) words += ros_topic(dds_topic(settings.name_space, row.name)) + ", ";
+  return words + "subscribes to " + wrench_topic() + " (" +
+         ros_type(geometry_msgs_msg_dds__WrenchStamped__desc.m_typename) + ")";
+}
+
+std::string Topics::wrench_topic() const { return ros_topic(dds_topic(parts_->settings.name_space, kIn)); }
+
+std::vector<News> Topics::take_news() { return parts_->watch.take_news(parts_->clock.now()); }
+
+const PeerWatch::Publishers& Topics::publishers() const noexcept { return parts_->watch.publishers(); }
 
 std::uint64_t Topics::not_written() const noexcept { return parts_->not_written.load(std::memory_order_relaxed); }
 

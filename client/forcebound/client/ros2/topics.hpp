@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "forcebound/client/ros2/peer_watch.hpp"
 #include "forcebound/client/ros2/state_queue.hpp"
 #include "forcebound/client/ros2/velocity_window.hpp"
 #include "forcebound/client/ros2/wrench_inbox.hpp"
@@ -48,9 +49,14 @@ class Topics {
   /// Does nothing if that was the last.
   void publish(OperatingState state, bool is_busy);
 
-  /// What a user has to know of others on these topics, in lines: a foreign type, a quality of service that does not
-  /// match. Each once, and after the twentieth none.
-  [[nodiscard]] std::vector<std::string> take_news();
+  /// The domain and the topics, in one line.
+  [[nodiscard]] std::string in_words() const;
+  /// As ROS 2 calls it.
+  [[nodiscard]] std::string wrench_topic() const;
+
+  /// As PeerWatch's, of who else is on these topics.
+  [[nodiscard]] std::vector<News> take_news();
+  [[nodiscard]] const PeerWatch::Publishers& publishers() const noexcept;
 
   /// Messages that DDS did not take. Any thread.
   [[nodiscard]] std::uint64_t not_written() const noexcept;

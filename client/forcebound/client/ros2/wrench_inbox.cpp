@@ -1,5 +1,7 @@
 #include "forcebound/client/ros2/wrench_inbox.hpp"
 
+#include <algorithm>
+
 namespace forcebound::ros2 {
 
 Verdict WrenchInbox::judge(const Received& received) const noexcept {
@@ -13,12 +15,19 @@ Verdict WrenchInbox::judge(const Received& received) const noexcept {
 
 Verdict WrenchInbox::receive(const Received& received) noexcept {
   const Verdict verdict = judge(received);
-  counts_[static_cast<std::size_t>(verdict)].fetch_add(1, std::memory_order_relaxed);
+  if (verdict == Verdict::in_another_frame) store_other_frame(received.frame);
+  counts_[static_cast<std::size_t>(verdict)].fetch_add(1, std::memory_order_release);
   if (verdict != Verdict::taken) return verdict;
   publisher_ = received.publisher;
   taken_at_ = received.wrench.arrival;
   latest_.store(received.wrench);
   return verdict;
+}
+
+void WrenchInbox::store_other_frame(std::string_view frame) noexcept {
+  if (other_frame_bytes_ > 0) return;
+  other_frame_bytes_ = std::min(frame.size(), other_frame_.size());
+  std::copy_n(frame.begin(), other_frame_bytes_, other_frame_.begin());
 }
 
 const std::optional<Wrench>& WrenchInbox::newest() noexcept {
@@ -28,7 +37,7 @@ const std::optional<Wrench>& WrenchInbox::newest() noexcept {
 
 WrenchInbox::Counts WrenchInbox::counts() const noexcept {
   Counts counts{};
-  for (std::size_t i = 0; i < counts.size(); ++i) counts[i] = counts_[i].load(std::memory_order_relaxed);
+  for (std::size_t i = 0; i < counts.size(); ++i) counts[i] = counts_[i].load(std::memory_order_acquire);
   return counts;
 }
 

@@ -23,10 +23,16 @@ struct Wrench {
   Nanoseconds arrival{0};  ///< by this machine's steady clock; stamps of publishers are not read
 };
 
-/// What became of a wrench that arrived, and how it is counted.
+/// What became of a wrench that arrived, and how it is counted: in a summary's text, and in its JSON.
 enum class Verdict : std::uint8_t { taken, not_finite, of_another_publisher, in_another_frame };
-inline constexpr std::array<const char*, 4> kVerdicts{"taken", "not finite", "of another publisher",
-                                                      "in another frame"};
+struct VerdictRow {
+  const char* words;
+  const char* name;
+};
+inline constexpr std::array<VerdictRow, 4> kVerdicts{{{"taken", "wrenches_taken"},
+                                                      {"not finite", "wrenches_not_finite"},
+                                                      {"of another publisher", "wrenches_of_another_publisher"},
+                                                      {"in another frame", "wrenches_in_another_frame"}}};
 
 /// Carries the newest wrench of one publisher from the thread of DDS to the one that answers.
 ///
@@ -54,13 +60,19 @@ class WrenchInbox {
   using Counts = std::array<std::uint64_t, kVerdicts.size()>;
   [[nodiscard]] Counts counts() const noexcept;
 
+  /// Of the first wrench that was refused for it, cut where it is long; once that is counted. Any thread.
+  [[nodiscard]] std::string_view other_frame() const noexcept { return {other_frame_.data(), other_frame_bytes_}; }
+
  private:
   [[nodiscard]] Verdict judge(const Received& received) const noexcept;
+  void store_other_frame(std::string_view frame) noexcept;
 
   std::string frame_;
   Nanoseconds patience_;
   std::optional<std::uint64_t> publisher_{};  // of DDS's thread, with the time
   Nanoseconds taken_at_{0};
+  std::array<char, 64> other_frame_{};  // written once, before the first of its wrenches is counted
+  std::size_t other_frame_bytes_ = 0;
   time::Latest<Wrench> latest_{};
   std::optional<Wrench> newest_{};  // of the other thread
   std::array<std::atomic<std::uint64_t>, kVerdicts.size()> counts_{};

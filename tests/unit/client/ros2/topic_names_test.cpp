@@ -14,6 +14,14 @@ TEST(TopicNames, AreThoseOfRos2OnDds) {
   EXPECT_EQ(checked_namespace("/"), "");
 }
 
+TEST(TopicNames, AreSaidAsRos2SaysThem) {
+  EXPECT_EQ(ros_topic("rt/left/pen/servo_cf"), "/left/pen/servo_cf");
+  EXPECT_EQ(ros_type("geometry_msgs::msg::dds_::WrenchStamped_"), "geometry_msgs/msg/WrenchStamped");
+  for (const char* const other : {"Square", "a::msg::dds_::b", "::msg::_", ""}) EXPECT_EQ(ros_type(other), other);
+  EXPECT_EQ(ros_type("a\nb"), "a?b");
+  EXPECT_LE(ros_topic(std::string(1000, 'x')).size(), 120U);
+}
+
 TEST(TopicNames, RefuseWhatRos2Refuses) {
   for (const char* const wrong : {"a b", "/2nd", "a//b", "/a/", "a__b", "~/a", "//", "p\xc3\xa9n"}) {
     EXPECT_THROW((void)checked_namespace(wrong), std::invalid_argument) << wrong;

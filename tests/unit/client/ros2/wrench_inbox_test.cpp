@@ -46,7 +46,17 @@ TEST(WrenchInbox, TakesOurFrameAndNoFrameAlone) {
   WrenchInbox inbox("base", 1s);
   EXPECT_EQ(receive(inbox, 1ms, kFirst, 1, "base"), Verdict::taken);
   EXPECT_EQ(receive(inbox, 2ms, kFirst, 1, ""), Verdict::taken);
+  EXPECT_EQ(inbox.other_frame(), "");
   EXPECT_EQ(receive(inbox, 3ms, kFirst, 1, "tool0"), Verdict::in_another_frame);
+  EXPECT_EQ(receive(inbox, 4ms, kFirst, 1, "world"), Verdict::in_another_frame);
+  EXPECT_EQ(inbox.other_frame(), "tool0") << "the first";
+}
+
+TEST(WrenchInbox, CutsTheNameOfAFrameThatIsLong) {
+  WrenchInbox inbox("base", 1s);
+  const std::string name(1000, 'x');
+  EXPECT_EQ(receive(inbox, 1ms, kFirst, 1, name), Verdict::in_another_frame);
+  EXPECT_EQ(inbox.other_frame(), name.substr(0, 64));
 }
 
 TEST(WrenchInbox, HearsTheFirstPublisherUntilItIsSilentForThePatience) {
@@ -92,6 +102,7 @@ TEST(WrenchInbox, DoesNotAllocate) {
   WrenchInbox inbox("base", 1s);
   const test::AllocationGuard guard;
   (void)receive(inbox, 1ms, kFirst, 1, "base");
+  (void)receive(inbox, 1ms, kFirst, 1, "tool0");
   (void)inbox.newest();
   EXPECT_EQ(guard.heap_operations(), 0U);
 }
