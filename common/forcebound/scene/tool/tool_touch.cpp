@@ -116,6 +116,11 @@ ToolFelt ToolTouch::feel_solid(const Plan& plan, std::size_t number, const Probe
   }
   if (now.foremost.share_m > 0) copy_touching(now, now.foremost_state, state_of_foremost());
   foremost_[number] = now.foremost;
+  // The device is as far in as its contacts share, unless they push against each other.
+  if (now.together_m > now.felt.deepest.penetration_m) {
+    now.felt.deepest.normal = missing_m / now.together_m;
+    now.felt.deepest.penetration_m = now.together_m;
+  }
   return now.felt;
 }
 

@@ -162,10 +162,14 @@ std::string tool_text(const scene::Scene& scene) {
       "tool: " + config::to_text(Eigen::Vector3d(tool_m), tool_m.rows()) + " m from the grip to its tip, ";
   const auto& tool = scene.facts().tool;
   if (!tool) return tip + "which touches, and turns a handle that shows torque\n";
+  const char* const stability = tool->contact() == scene::ToolContact::constraint
+                                    ? "contact is a constraint: as stiff as one point, however many touch\n"
+                                    : "contact is a penalty: stability below is that of one point, and those that "
+                                      "touch at once add up\n";
   return tip + "touches with " + std::to_string(tool->points().size()) + " points, all within " +
          rounded(1e3 * tool->reach_m()) + " mm of that;\n" + kIndent +
          "turns a handle that shows torque; one that does not tell its orientation touches nothing\n" + kIndent +
-         "stability below is that of one point: those that touch at once add up\n";
+         stability;
 }
 
 std::string not_simulated_text(const scene::Scene& scene) {

@@ -46,7 +46,8 @@ config::TableDescription tool_table() {
                                   .meaning = "from the grip to the tip",
                                   .accepted = "`[x, y, z]`, each from -0.5 to 0.5",
                                   .absent = "`[0, 0, 0]`"},
-           config::positive_number("spacing_m", "of the points of its surface", scene::kToolReachMost_m, 2e-3),
+           config::positive_number("spacing_m", "of the points of its surface, and of the balls in a capsule",
+                                   scene::kToolReachMost_m, 2e-3),
            config::ChoiceParameter{.key = "contact",
                                    .meaning = "`constraint`: it stays outside of what is solid as a body, as stiff as "
                                               "one point, and parts but meshes meet boxes, balls, rods and planes "
