@@ -22,6 +22,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
+/// The scene is at the client by then. What touched before may lie on another side there: it jams or it enters.
+constexpr int kFrom_s = 1;
+
 /// What the scene says of the pose of each tick, beside what was asked for.
 class WrenchMeter final : public record::TickSink {
  public:
@@ -50,8 +53,6 @@ class WrenchMeter final : public record::TickSink {
   std::size_t contacts = 0;
 
  private:
-  static constexpr double kFrom_s = 1;  // the scene is at the client by then
-
   control::Vector tool_m_;
   scene::SceneState truth_;
   double force_ = 0;
@@ -69,7 +70,7 @@ Played play(const std::string& name, const std::string& law, bool locally) {
   const auto scene = server::load_scene(name);
   Played played{.meter = WrenchMeter(scene)};
   ClosedLoop::Settings settings{.device = device::load_device("arm-6dof"),
-                                .hand = server::suggested_hand(scene).hand,
+                                .hand = server::suggested_hand(scene).hand + ",wait_s=" + std::to_string(kFrom_s),
                                 .law = law,
                                 .scene = scene,
                                 .seed = 1};

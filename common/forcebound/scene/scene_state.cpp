@@ -191,9 +191,8 @@ void SceneState::begin_again(const Vector& outside_m, Nanoseconds first_time) no
   has_last_ = false;
   has_first_ = true;
   first_time_ = first_time;
-  // Where the points of a tool were then is not known: they begin where they are next.
-  if (tool_) return tool_->begin_again();
   const Point free_m = place(outside_m);
+  if (tool_) return tool_->begin_again(free_m);
   for (const PlanStep& step : scene_->plan().steps()) {
     if (step.shape != nullptr) step.shape->begin_outside(free_m, bytes_.data() + step.shape_state);
   }

@@ -79,10 +79,10 @@ void ToolProxy::move(const Twist& twist) noexcept {
   pose_.tip_m = centre - pose_.rotation * tool_->centre_m();
 }
 
-void ToolProxy::follow(const ToolPose& device, const Plan& plan, std::span<const std::uint32_t> steps,
-                       std::span<std::byte> states) noexcept {
+void ToolProxy::follow(const ToolPose& from, const ToolPose& device, const Plan& plan,
+                       std::span<const std::uint32_t> steps, std::span<std::byte> states) noexcept {
   const Asked asked{plan, steps, states};
-  if (!std::exchange(placed_, true)) pose_ = device;
+  if (!std::exchange(placed_, true)) pose_ = is_clear(asked, device) ? device : from;
   double moved_m = 0;
   double known_m = 0;
   for (int part = 0; part < kMovesMost; ++part) {
@@ -102,6 +102,17 @@ void ToolProxy::follow(const ToolPose& device, const Plan& plan, std::span<const
     move(share * step);
     moved_m += share * step_m;
   }
+}
+
+/// As far as that can be told without the states.
+bool ToolProxy::is_clear(const Asked& asked, const ToolPose& pose) noexcept {
+  return std::ranges::none_of(asked.steps, [&](std::uint32_t number) {
+    const PlanStep& step = asked.plan.steps()[number];
+    if (!step.solid) return false;
+    tree_.clear();
+    tool_->find_near(*step.shape, pose, 0, tree_);
+    return !tree_.empty();
+  });
 }
 
 void ToolProxy::find_near(const Asked& asked, double margin_m) noexcept {

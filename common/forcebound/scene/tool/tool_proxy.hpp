@@ -71,8 +71,9 @@ class ToolProxy {
   /// Of a tool and plan with as many points and steps.
   void go_on_from(const ToolProxy& other) noexcept;
 
-  /// Follows the device. @param steps of the plan that are felt @param states of all points after each other
-  void follow(const ToolPose& device, const Plan& plan, std::span<const std::uint32_t> steps,
+  /// Follows the device. @param from where it begins if it has not been anywhere, and something may be where the device
+  /// is @param steps of the plan that are felt @param states of all points after each other
+  void follow(const ToolPose& from, const ToolPose& device, const Plan& plan, std::span<const std::uint32_t> steps,
               std::span<std::byte> states) noexcept;
 
   /// Those of a solid step, ascending.
@@ -110,6 +111,7 @@ class ToolProxy {
   /// No point of the tool moves further.
   [[nodiscard]] double length_m(const Twist& twist) const noexcept;
   void move(const Twist& twist) noexcept;
+  [[nodiscard]] bool is_clear(const Asked& asked, const ToolPose& pose) noexcept;
   void find_near(const Asked& asked, double margin_m) noexcept;
   void find_near(const Asked& asked, std::uint32_t step, double margin_m) noexcept;
   void ask(const Asked& asked, double margin_m) noexcept;

@@ -19,18 +19,20 @@ ToolTouch::ToolTouch(std::shared_ptr<const Tool> tool, const Scene& scene)
 }
 
 void ToolTouch::move(const ToolPose& pose) noexcept {
-  before_ = pose_;
+  // How it was turned where it was free is not known: as it is now.
+  before_ = placed_ || !free_m_ ? pose_ : ToolPose{.tip_m = *free_m_, .rotation = pose.rotation};
   pose_ = pose;
-  moved_ = std::exchange(placed_, true);
+  moved_ = std::exchange(placed_, true) || free_m_;
 }
 
-void ToolTouch::begin_again() noexcept {
+void ToolTouch::begin_again(const Point& free_m) noexcept {
   for (Visited& visited : visited_) {
     visited.points.clear();
     visited.touching.clear();
   }
   std::ranges::fill(foremost_, Foremost{});
   if (proxy_) proxy_->begin_again();
+  free_m_ = free_m;
   placed_ = false;
 }
 
@@ -46,6 +48,7 @@ bool ToolTouch::go_on_from(const ToolTouch& other) noexcept {
   if (proxy_) proxy_->go_on_from(*other.proxy_);
   pose_ = other.pose_;
   before_ = other.before_;
+  free_m_ = other.free_m_;
   placed_ = other.placed_;
   moved_ = other.moved_;
   return true;

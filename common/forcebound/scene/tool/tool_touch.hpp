@@ -58,14 +58,15 @@ class ToolTouch {
 
   /// What is solid is met there. Before it is felt. @param steps of the plan that are felt @param states as of `feel`
   void meet(const Plan& plan, std::span<const std::uint32_t> steps, std::span<std::byte> states) noexcept {
-    if (proxy_) proxy_->follow(pose_, plan, steps, states);
+    if (proxy_) proxy_->follow(moved_ ? before_ : pose_, pose_, plan, steps, states);
   }
 
   /// Where the tool is simulated; null: where the device has it.
   [[nodiscard]] const ToolPose* simulated() const noexcept { return proxy_ ? &proxy_->pose() : nullptr; }
 
   /// As if the tool had never touched anything. Its points' states are the caller's to forget.
-  void begin_again() noexcept;
+  /// @param free_m its tip where it was outside of everything solid, from where it comes to the next pose
+  void begin_again(const Point& free_m) noexcept;
 
   /// Goes on as another one did, of a tool and plan with as many points and steps; else false, and nothing is done.
   [[nodiscard]] bool go_on_from(const ToolTouch& other) noexcept;
@@ -128,6 +129,7 @@ class ToolTouch {
   std::vector<std::uint32_t> near_;  // likewise
   ToolPose pose_{};
   ToolPose before_{};
+  std::optional<Point> free_m_{};  // where it begins, if that was told
   bool placed_ = false;
   bool moved_ = false;  // there is a place before
 };
