@@ -50,7 +50,7 @@ class AToolAtTheClient : public ::testing::Test {
   static constexpr double kThen_m = -2e-3;
   static constexpr double kNow_m = -2.5e-3;
   std::shared_ptr<const scene::Scene> scene = handover::scene_of(
-      "[tool]\ntip_m = [0, 0, -0.03]\nspacing_m = 0.02\n[[tool.part]]\nname = 'blade'\n"
+      "[tool]\ntip_m = [0, 0, -0.03]\nspacing_m = 0.02\ncontact = 'penalty'\n[[tool.part]]\nname = 'blade'\n"
       "shape = { kind = 'box', center_m = [0.005, 0, 0.002], size_m = [0.06, 0.02, 0.004] }\n"
       "[[object]]\nname = 'table'\nshape = { kind = 'half_space', through_m = [0, 0, 0], normal = [0, 0, 1] }\n"
       "effects = ['surface']\nsurface = { stiffness_N_per_m = 100 }\n");
