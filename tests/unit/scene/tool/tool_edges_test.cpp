@@ -198,11 +198,11 @@ struct Block {
 };
 
 const std::vector<Block>& blocks() {
-  static const std::vector<Block> all{{"left", {-0.01705, 0, -0.01}, {0.0259, 0.06, 0.02}},
-                                      {"right", {0.01705, 0, -0.01}, {0.0259, 0.06, 0.02}},
-                                      {"front", {0, -0.01705, -0.01}, {0.06, 0.0259, 0.02}},
-                                      {"back", {0, 0.01705, -0.01}, {0.06, 0.0259, 0.02}}};
-  return all;
+  static const std::vector<Block> kAll{{"left", {-0.01705, 0, -0.01}, {0.0259, 0.06, 0.02}},
+                                       {"right", {0.01705, 0, -0.01}, {0.0259, 0.06, 0.02}},
+                                       {"front", {0, -0.01705, -0.01}, {0.06, 0.0259, 0.02}},
+                                       {"back", {0, 0.01705, -0.01}, {0.06, 0.0259, 0.02}}};
+  return kAll;
 }
 
 std::shared_ptr<const Scene> peg_and_hole() {
@@ -235,8 +235,8 @@ double depth_in_box_m(const Point& at_m, const Point& center_m, const Point& siz
 
 /// How deep edges of the sharp peg are in the blocks, and theirs in it.
 double true_depth_m(const ToolPose& pose) {
-  static const std::vector<Point> of_peg = along_edges(kPegMiddle_m, kPegSize_m, 60);
-  static const std::vector<Point> of_blocks = [] {
+  static const std::vector<Point> kOfPeg = along_edges(kPegMiddle_m, kPegSize_m, 60);
+  static const std::vector<Point> kOfBlocks = [] {
     std::vector<Point> all;
     for (const Block& block : blocks()) {
       for (const Point& at_m : along_edges(block.center_m, block.size_m, 600)) {
@@ -246,11 +246,11 @@ double true_depth_m(const ToolPose& pose) {
     return all;
   }();
   double deepest_m = -1;
-  for (const Point& at_m : of_blocks) {
+  for (const Point& at_m : kOfBlocks) {
     const Point in_peg_m = pose.rotation.transpose() * (at_m - pose.tip_m);
     deepest_m = std::max(deepest_m, depth_in_box_m(in_peg_m, kPegMiddle_m, kPegSize_m));
   }
-  for (const Point& at_m : of_peg) {
+  for (const Point& at_m : kOfPeg) {
     for (const Block& block : blocks())
       deepest_m = std::max(deepest_m, depth_in_box_m(pose * at_m, block.center_m, block.size_m));
   }
