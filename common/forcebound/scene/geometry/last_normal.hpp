@@ -7,6 +7,8 @@
 
 namespace forcebound::scene {
 
+class Shape;
+
 /// Nearer to a shape's skeleton than this share of its size, a direction is rounding error.
 inline constexpr double kRounding = 1e-12;
 
@@ -48,5 +50,9 @@ struct LastNormal {
 
   [[nodiscard]] Point get() const noexcept { return x == 0 && y == 0 && z == 0 ? Point::UnitX() : Point(x, y, z); }
 };
+
+/// Shape::nearest of one whose fresh state is a LastNormal's, or that has none, as if asked for the first time. Real
+/// time.
+[[nodiscard]] SurfacePoint nearest_at_first(const Shape& shape, const Point& at_m) noexcept;
 
 }  // namespace forcebound::scene

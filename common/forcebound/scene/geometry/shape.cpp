@@ -109,9 +109,13 @@ ShapeKind ball_shape(std::string_view name, std::string_view description,
 
 }  // namespace
 
-bool is_clear_by_nearest(const Shape& shape, const Point& center_m, double radius_m) noexcept {
+SurfacePoint nearest_at_first(const Shape& shape, const Point& at_m) noexcept {
   LastNormal fresh{};
-  return -shape.nearest(center_m, reinterpret_cast<std::byte*>(&fresh)).penetration_m > radius_m;
+  return shape.nearest(at_m, reinterpret_cast<std::byte*>(&fresh));
+}
+
+bool is_clear_by_nearest(const Shape& shape, const Point& center_m, double radius_m) noexcept {
+  return -nearest_at_first(shape, center_m).penetration_m > radius_m;
 }
 
 std::unique_ptr<Shape> make_half_space(const Point& through_m, const Point& normal) {

@@ -1,7 +1,6 @@
 #include "forcebound/scene/tool/tool.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
 #include <memory>
@@ -9,6 +8,7 @@
 #include <string>
 
 #include "forcebound/config/parameter.hpp"
+#include "forcebound/scene/geometry/last_normal.hpp"
 #include "forcebound/text/numbers.hpp"
 
 namespace forcebound::scene {
@@ -82,8 +82,7 @@ void Tool::find_in_parts() {
   for (const ToolPart& part : parts_) {
     const std::unique_ptr<Shape> solid = make_solid(part, 0);
     for (std::size_t i = 0; i < points_.size(); ++i) {
-      std::array<double, 3> fresh{};
-      const SurfacePoint found = solid->nearest(points_[i].at_m, reinterpret_cast<std::byte*>(fresh.data()));
+      const SurfacePoint found = nearest_at_first(*solid, points_[i].at_m);
       if (found.penetration_m > points_[i].radius_m - kRounding_m) in_part_[i] = true;
     }
   }

@@ -20,11 +20,6 @@ constexpr double kShortest_m = 1e-6;
 constexpr int kSamples = 16;
 constexpr double kAcross = 0.02;
 
-SurfacePoint nearest(const Shape& shape, const Point& at_m) noexcept {
-  LastNormal fresh{};
-  return shape.nearest(at_m, reinterpret_cast<std::byte*>(&fresh));
-}
-
 struct Sample {
   double t = 0;
   double gap_m = 0;
@@ -43,7 +38,7 @@ struct Asked {
     const double x = circle ? std::cos(t) : t;
     const double y = circle ? std::sin(t) : 0;
     const Point at_m = edge.middle_m + x * edge.x_m + y * edge.y_m;
-    const SurfacePoint found = nearest(solid, at_m);
+    const SurfacePoint found = nearest_at_first(solid, at_m);
     const Point along_m = circle ? Point(x * edge.y_m - y * edge.x_m) : edge.x_m;
     return {.t = t,
             .gap_m = -found.penetration_m - edge.radius_m,

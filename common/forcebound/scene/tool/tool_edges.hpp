@@ -37,13 +37,11 @@ class ToolEdges {
  public:
   static constexpr double kRounded_m = 5e-7;
 
-  /// Both must outlive this.
+  /// @param objects must outlive this
   ToolEdges(const Tool& tool, std::span<const SceneObject> objects);
 
   /// Whether an object has contacts; else it is the points' alone.
-  [[nodiscard]] bool knows(std::size_t object) const noexcept {
-    return !parts_.empty() && objects_[object].solid != Solid::other;
-  }
+  [[nodiscard]] bool knows(std::size_t object) const noexcept { return !parts_.empty() && has_normals(object); }
   /// Whether the distance of an object has a normal on its surface, too: else points keep kRounded_m away from it.
   [[nodiscard]] bool has_normals(std::size_t object) const noexcept { return objects_[object].solid != Solid::other; }
   /// No more contacts at once are told of any object.

@@ -20,7 +20,7 @@ constexpr double kFreeMost_m = 0.01;
 
 ToolProxy::ToolProxy(std::shared_ptr<const Tool> tool, const Scene& scene)
     : tool_(std::move(tool)),
-      edges_(std::in_place, *tool_, scene.objects()),
+      edges_(*tool_, scene.objects()),
       near_(scene.plan().steps().size()),
       near_edges_(near_.size()),
       states_(near_.size()) {
@@ -29,12 +29,12 @@ ToolProxy::ToolProxy(std::shared_ptr<const Tool> tool, const Scene& scene)
   for (std::size_t i = 0; i < near_.size(); ++i) {
     if (!scene.plan().steps()[i].solid) continue;
     near_[i].reserve(points);
-    near_edges_[i].reserve(edges_->contacts_most());
-    rows += points + edges_->contacts_most();
+    near_edges_[i].reserve(edges_.contacts_most());
+    rows += points + edges_.contacts_most();
   }
   next_.reserve(points);
-  next_edges_.reserve(edges_->contacts_most());
-  found_.reserve(edges_->contacts_most());
+  next_edges_.reserve(edges_.contacts_most());
+  found_.reserve(edges_.contacts_most());
   tree_.reserve(points);
   rows_.reserve(rows);
   of_rows_.reserve(rows);
@@ -127,7 +127,7 @@ void ToolProxy::find_near(const Asked& asked, std::uint32_t number, double margi
   std::vector<Near>& near = near_[number];
   tree_.clear();
   next_.clear();
-  const bool by_edges = edges_->knows(number);
+  const bool by_edges = edges_.knows(number);
   if (!by_edges || !tool_->all_in_parts()) tool_->find_near(*step.shape, pose_, margin_m + step.reach_m, tree_);
   if (by_edges) std::erase_if(tree_, [this](std::uint32_t point) { return tool_->is_in_part(point); });
   auto before = near.begin();
@@ -160,7 +160,7 @@ void ToolProxy::ask(const Asked& asked, double margin_m) noexcept {
   for (const std::uint32_t number : asked.steps) {
     const PlanStep& step = asked.plan.steps()[number];
     if (!step.solid) continue;
-    const double rounded_m = edges_->has_normals(number) ? 0 : ToolEdges::kRounded_m;
+    const double rounded_m = edges_.has_normals(number) ? 0 : ToolEdges::kRounded_m;
     for (Near& near : near_[number]) {
       const ToolPoint& point = tool_->points()[near.point];
       const Point place_m = pose_ * point.at_m;
@@ -169,7 +169,7 @@ void ToolProxy::ask(const Asked& asked, double margin_m) noexcept {
       near.arm_m = place_m - centre;
       add_row(near);
     }
-    if (edges_->knows(number)) ask_edges(asked, number, margin_m);
+    if (edges_.knows(number)) ask_edges(asked, number, margin_m);
     for (NearEdge& edge : near_edges_[number]) add_row(edge);
   }
 }
@@ -190,7 +190,7 @@ void ToolProxy::ask_edges(const Asked& asked, std::uint32_t number, double margi
   std::vector<NearEdge>& near = near_edges_[number];
   found_.clear();
   next_edges_.clear();
-  edges_->find(number, pose_, std::max(margin_m, step.reach_m), kSlideMost_m, found_);
+  edges_.find(number, pose_, std::max(margin_m, step.reach_m), kSlideMost_m, found_);
   auto before = near.begin();
   const Point centre = centre_m();
   const auto leave = [&] {

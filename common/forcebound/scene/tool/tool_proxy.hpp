@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -120,15 +119,15 @@ class ToolProxy {
   [[nodiscard]] Twist solve(const Twist& wanted) noexcept;
 
   std::shared_ptr<const Tool> tool_;
-  std::optional<ToolEdges> edges_;
-  std::vector<std::vector<Near>> near_;  // of each step, with room for all points
-  std::vector<std::vector<NearEdge>> near_edges_;
-  std::vector<NearEdge> next_edges_;
-  std::vector<EdgeContact> found_;
-  std::vector<std::uint64_t> states_;   // of each step, one bit for each of kEdgeStates
-  std::vector<Near> next_;              // likewise
-  std::vector<std::uint32_t> tree_;     // likewise
-  std::vector<NearestStep::Row> rows_;  // of all steps, of what can be met in a part of a motion
+  ToolEdges edges_;
+  std::vector<std::vector<Near>> near_;            // of each step, with room for all points
+  std::vector<Near> next_;                         // likewise
+  std::vector<std::uint32_t> tree_;                // likewise
+  std::vector<std::vector<NearEdge>> near_edges_;  // of each step, with room for all contacts
+  std::vector<NearEdge> next_edges_;               // likewise
+  std::vector<EdgeContact> found_;                 // likewise
+  std::vector<std::uint64_t> states_;              // of each step, one bit for each of kEdgeStates
+  std::vector<NearestStep::Row> rows_;             // of all steps, of what can be met in a part of a motion
   std::vector<Contact*> of_rows_;
   NearestStep nearest_;
   double clear_m_ = 0;  // of the nearest point

@@ -51,8 +51,6 @@ class ToolTouch {
     return tool.points().size() + (tool.contact() == ToolContact::constraint ? ToolProxy::kEdgeStates + 2 : 0);
   }
 
-  [[nodiscard]] const Tool& tool() const noexcept { return *tool_; }
-
   /// All points are where they are now; what was felt before is the place before.
   void move(const ToolPose& pose) noexcept;
 
