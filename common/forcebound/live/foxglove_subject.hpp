@@ -28,8 +28,9 @@ class FoxgloveSubject final : public page::Subject, private record::TopicSink {
     /// Writes what is new. @param wanted whether anybody looks: else what is written is passed over
     virtual void write_new(record::TopicEncoder& to, bool wanted) = 0;
 
-    /// A call: `FoxgloveSubject::answer` is to follow. @param value JSON
-    virtual void call(std::uint64_t number, const Service& service, const std::string& value) = 0;
+    /// A call of one of its services: `FoxgloveSubject::answer` is to follow. Without services there is none.
+    /// @param value JSON
+    virtual void call(std::uint64_t /*number*/, const Service& /*service*/, const std::string& /*value*/) {}
   };
 
   struct Options {

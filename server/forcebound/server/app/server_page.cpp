@@ -191,11 +191,6 @@ void ServerPage::write_new(record::TopicEncoder& to, bool wanted) {
   if (options_.parts_of) to.write_scene(options_.parts_of(name), clock_.now());
 }
 
-/// A server offers no services.
-void ServerPage::call(std::uint64_t number, const live::Service&, const std::string&) {
-  foxglove_.answer(number, "there are no services here");
-}
-
 std::string ServerPage::metrics() {
   constexpr std::chrono::milliseconds kPatience{500};
   std::unique_lock lock(lock_);

@@ -70,7 +70,6 @@ class ServerPage final : public page::Subject, private live::FoxgloveSubject::So
 
  private:
   void write_new(record::TopicEncoder& to, bool wanted) override;
-  void call(std::uint64_t number, const live::Service& service, const std::string& value) override;
   [[nodiscard]] double now_s() const noexcept;
   [[nodiscard]] std::string hello() const;
   [[nodiscard]] bool queue_kick(std::uint64_t kick);
