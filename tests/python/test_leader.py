@@ -85,10 +85,11 @@ def test_a_wrong_number_of_joints_is_a_value_error_and_loses_that_reading_alone(
         with pytest.raises(ValueError, match=shapes):
             time_s += 0.005
             bounding.step(positions, feedback, time_s)
-    with pytest.raises(TypeError, match="positions"):
-        time_s += 0.005
-        bounding.step(["x", "y"], [0, 0], time_s)
-    assert bounding.counts["readings_lost"] == 10
+    for no_numbers, got in [(["x", "y"], "positions"), (None, "^positions: expected numbers, got None$")]:
+        with pytest.raises(TypeError, match=got):
+            time_s += 0.005
+            bounding.step(no_numbers, [0, 0], time_s)
+    assert bounding.counts["readings_lost"] == 12
     assert np.all(bounding.energy_J < energy_J), "what acted meanwhile is paid for"
     assert np.all(bounding.step([at + 0.025] * 2, [-1, -1], time_s + 0.005) < 0)
     assert bounding.counts["intervals_impossible"] == 0
@@ -106,6 +107,16 @@ def test_a_time_that_goes_back_or_stands_still_is_zero_torque_and_in_words(after
         torques = bounding.step([at + 0.005 * n] * 2, [-1, -1], dt=0.005)
     assert np.all(torques < 0)
     assert bounding.fault == ""
+
+
+def test_a_time_that_is_no_number_costs_its_own_step_alone():
+    bounding = at_200_Hz()
+    time_s, at = warmed_up(bounding)
+    assert bounding.step([at] * 2, [-1, -1], math.nan).tolist() == [0, 0]
+    assert "none that a clock can have measured" in bounding.fault
+    bounding.step([at] * 2, [-1, -1], time_s + 0.009)
+    assert bounding.fault == ""
+    assert bounding.counts["intervals_impossible"] == 1
 
 
 def test_a_step_after_a_second_is_late_unless_a_watchdog_ends_torques():
@@ -152,6 +163,8 @@ def test_settings_are_refused_in_one_line_that_names_the_joint():
         at_200_Hz(())
     with pytest.raises(TypeError, match="damping_N_m_s_per_rad: expected a number"):
         at_200_Hz((SERVO._replace(damping_N_m_s_per_rad="much"),))
+    with pytest.raises(TypeError, match="^servos: expected a Servo for each joint, got NoneType$"):
+        at_200_Hz(None)
 
 
 def test_servos_that_take_goals_get_reading_and_torque_over_stiffness():

@@ -33,7 +33,7 @@ what the torque returned in the time beyond, and no more torque is given until t
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -145,6 +145,8 @@ class ForceBoundedLeader:
     ) -> None:
         if hold_s_max == 0:
             raise ValueError("leader: hold_s_max must be > 0, or None for two periods and the latency, got 0")
+        if not isinstance(servos, Iterable):
+            raise TypeError(f"servos: expected a Servo for each joint, got {type(servos).__name__}")
         self.servos = tuple(servos)
         for servo in self.servos:
             if not isinstance(servo, Servo):
@@ -185,8 +187,10 @@ class ForceBoundedLeader:
         if dt is not None:
             interval_s = float(dt)
         else:
-            interval_s = 0.0 if self._stamp_s is None else float(time_s) - self._stamp_s
-            self._stamp_s = float(time_s)
+            stamp_s = float(time_s)
+            interval_s = 0.0 if self._stamp_s is None else stamp_s - self._stamp_s
+            if math.isfinite(stamp_s):
+                self._stamp_s = stamp_s
         try:
             return self._leader.step(positions, feedback, interval_s)
         except (TypeError, ValueError):

@@ -30,6 +30,7 @@ py::array doubles_from(py::handle value, const char* name) {
     auto array = py::reinterpret_borrow<py::array>(value);
     if (holds_doubles(array)) return array;
   }
+  if (value.is_none()) throw py::type_error(std::string(name) + ": expected numbers, got None");
   const py::array any(py::reinterpret_borrow<py::object>(value));
   const char kind = any.dtype().kind();
   const bool fits = kind == 'i' || kind == 'u' || (kind == 'f' && any.itemsize() <= py::ssize_t{sizeof(double)});

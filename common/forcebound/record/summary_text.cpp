@@ -88,7 +88,10 @@ void SummaryView::print_network(std::string& out) const {
     print_field(out, "forces", "none arrived");
     return;
   }
-  print_field(out, "force age", percentiles(s.age_ns_, 1e6, "ms") + ", " + rounded(s.age_ns_.max() * 1e-6) + " max");
+  print_field(out, "force age",
+              s.age_ns_.count() == 0
+                  ? "no tick had a force"
+                  : percentiles(s.age_ns_, 1e6, "ms") + ", " + rounded(s.age_ns_.max() * 1e-6) + " max");
   print_field(out, "round trip",
               percentiles(s.round_trip_ns_, 1e6, "ms") + ", " + rounded(s.round_trip_ns_.max() * 1e-6) +
                   " max; server " + rounded(s.compute_ns_.percentile(0.5) * 1e-3) + " us, " +

@@ -133,6 +133,14 @@ TEST(Summary, SaysNothingOfTrustWhereNoModelCame) {
               HasSubstr("rendering     local: 0 % of the ticks at the client, 0 % both, 100 % held\n"));
 }
 
+TEST(Summary, SaysInWordsThatForcesArrivedOfWhichNoTickHadOne) {
+  Summary summary(test::sample_info());
+  summary.on_force(force_at(1, 1));
+  summary.on_tick(tick_at(1));
+  EXPECT_THAT(summary.to_text(), HasSubstr("force age     no tick had a force\n"));
+  EXPECT_THAT(summary.to_text(), Not(HasSubstr("nan ms")));
+}
+
 TEST(Summary, SaysThatForcesWereRenderedRemotely) {
   EXPECT_THAT(Summary(test::sample_info()).to_text(), HasSubstr("rendering     remote: all forces are the server's\n"));
 }

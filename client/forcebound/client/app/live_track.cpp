@@ -247,7 +247,7 @@ std::string words_of_change(const PageChoice& before, const PageChoice& after) {
   const auto add = [&words](const std::string& what, const std::string& old_value, const std::string& new_value) {
     if (old_value == new_value) return;
     words += words.empty() ? "" : ", ";
-    words += what + " " + (new_value.empty() ? "none" : new_value);
+    words += new_value.empty() ? "no " + what : what + " " + new_value;
     if (!old_value.empty()) words += " instead of " + old_value;
   };
   const auto number = [](const std::optional<double>& value) { return value ? text::to_text(*value) : std::string(); };

@@ -14,10 +14,16 @@ using Json = nlohmann::json;
 
 std::string dumped(const Json& message) { return message.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
+std::string got(const page::Choose& choice) {
+  if (const auto* const number = std::get_if<double>(&choice.value)) return text::to_text(*number);
+  if (const auto* const name = std::get_if<std::string>(&choice.value)) return "'" + *name + "'";
+  return std::holds_alternative<std::monostate>(choice.value) ? "no value" : "a network";
+}
+
 std::string chosen_name(const page::Choose& choice, const std::vector<std::string>& names) {
   const auto* const name = std::get_if<std::string>(&choice.value);
   if (names.empty()) throw std::invalid_argument(choice.setting + " cannot be chosen here");
-  if (name == nullptr) throw std::invalid_argument(choice.setting + " must be a name");
+  if (name == nullptr) throw std::invalid_argument(choice.setting + " must be a name, got " + got(choice));
   if (std::ranges::find(names, *name) == names.end()) {
     throw std::invalid_argument("unknown " + choice.setting + " '" + *name + "'" + text::suggestion(*name, names));
   }
@@ -45,8 +51,7 @@ PageChoice changed(const PageChoice& now, const page::Choose& choice, const Page
     const auto* const value = std::get_if<double>(&choice.value);
     if (!choices.stiffness) throw std::invalid_argument("the stiffness is that of a simulated hand, which is not here");
     if (value == nullptr || *value < kHandStiffnessLeast || *value > kHandStiffnessMost) {
-      throw std::invalid_argument("the hand's stiffness must be from 10 to 5000 N/m" +
-                                  (value == nullptr ? std::string() : ", got " + text::to_text(*value)));
+      throw std::invalid_argument("the hand's stiffness must be a number from 10 to 5000 N/m, got " + got(choice));
     }
     next.stiffness_N_per_m = *value;
   } else {

@@ -86,7 +86,8 @@ void expect_one_hand(const CLI::App& app, const Options& options) {
   for (const char* const name : {"--device", "--operator", "--rate", "--law", "--law-parameters", "--law-help",
                                  "--memory", "--duration", "--record", "--quiet"}) {
     if (app.count(name) > 0) {
-      throw std::invalid_argument(std::string(name) + " does not go with --listen: device and law are the client's");
+      throw std::invalid_argument(std::string(name) +
+                                  " does not go with --listen: device, law and run are the client's");
     }
   }
 }

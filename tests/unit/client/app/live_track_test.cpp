@@ -48,6 +48,10 @@ TEST(WordsOfChange, NameWhatIsAndWhatWas) {
             "law none instead of fba-exact, scene the server's default instead of sphere");
   EXPECT_EQ(words_of_change(after, before),
             "law fba-exact instead of none, scene sphere instead of the server's default");
+  PageChoice beside = before;
+  beside.law_beside = "none";
+  EXPECT_EQ(words_of_change(before, beside), "law beside none");
+  EXPECT_EQ(words_of_change(beside, before), "no law beside instead of none");
 }
 
 }  // namespace

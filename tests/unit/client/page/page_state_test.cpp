@@ -50,10 +50,12 @@ TEST(PageChoice, ChangesOneSetting) {
 TEST(PageChoice, IsRefusedWithWhatWouldBeAccepted) {
   const PageChoices choices = state().choices;
   EXPECT_THAT(refusal({"law", std::string("fba-exakt")}, choices), HasSubstr("fba-exact"));
-  EXPECT_THAT(refusal({"law", 7.0}, choices), HasSubstr("must be a name"));
+  EXPECT_THAT(refusal({"law", 7.0}, choices), HasSubstr("law must be a name, got 7"));
+  EXPECT_THAT(refusal({.setting = "law"}, choices), HasSubstr("law must be a name, got no value"));
   EXPECT_THAT(refusal({"scene", std::string("/etc/passwd")}, choices), HasSubstr("unknown scene"));
   EXPECT_THAT(refusal({"stiffness_N_per_m", 1e9}, choices), HasSubstr("10 to 5000"));
-  EXPECT_THAT(refusal({"stiffness_N_per_m", std::string("soft")}, choices), HasSubstr("10 to 5000"));
+  EXPECT_THAT(refusal({"stiffness_N_per_m", std::string("soft")}, choices),
+              HasSubstr("a number from 10 to 5000 N/m, got 'soft'"));
   EXPECT_THAT(refusal({"colour", std::string("red")}, choices), HasSubstr("(known: law, law_beside"));
   EXPECT_THAT(refusal({"scene", std::string("wall")}, {}), HasSubstr("cannot be chosen"));
   EXPECT_THAT(refusal({.setting = "scene"}, {}), HasSubstr("cannot be chosen"));
