@@ -180,6 +180,39 @@ stiffness_N_per_m = 500
   }
 }
 
+// What the client does not know of a scene, the server does.
+TEST(APage, GoesBackToTheDeviceThatTheServerTook) {
+  const TemporaryFolder folder;
+  const std::string file = folder.file("own.toml");
+  write_file(file, R"([scene]
+name = "own"
+description = "A ball that no client knows."
+degrees_of_freedom = 3
+
+[[object]]
+name = "ball"
+shape = { kind = "sphere", center_m = [0, 0, 0], radius_m = 0.02 }
+effects = ["surface"]
+
+[object.surface]
+stiffness_N_per_m = 500
+)");
+  Server server({"--scene", file});
+  Client client(server.address(), {"--page", "0"});
+  Viewer viewer(client);
+  const json device =
+      viewer.wait_for("hello", [](const json& hello) { return hello["dof"] == 3; })["settings"]["device"];
+  viewer.wait_for("status", [](const json& status) { return status["state"] == "connected"; });
+  viewer.say(choose("device", "wall-1dof"));
+  viewer.wait_for("hello", [](const json& hello) { return hello["settings"]["device"] == "wall-1dof"; });
+  const std::string why =
+      viewer.wait_for("refused", [](const json& refused) { return refused["about"] == "run"; })["text"];
+  EXPECT_THAT(why, HasSubstr(" refused: device wall-1dof instead of " + device.get<std::string>()));
+  viewer.wait_for("hello", [&device](const json& hello) { return hello["settings"]["device"] == device; });
+  viewer.wait_for("status", [](const json& status) { return status["state"] == "connected"; });
+  EXPECT_EQ(client.stop(SIGINT), client.expected_end());
+}
+
 TEST(APage, ChangesLawSceneAndDeviceAndRunsASecondLawBeside) {
   Server server;
   Client client(server.address(), kBall);

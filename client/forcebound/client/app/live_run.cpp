@@ -68,8 +68,8 @@ class LiveRun {
         store_exit_code(run_once());
         worked_ = choice_;
       } catch (const std::exception& error) {
-        // What cannot be run for what was chosen goes back to what could.
-        if (!worked_ || *worked_ == choice_) throw;
+        // What cannot be run for what was chosen, or is refused by the server, goes back to what could.
+        if (!can_go_back()) throw;
         spdlog::error("{}; goes back to what ran before", error.what());
         page_.refuse("run", error.what());
         next_ = worked_;
@@ -94,6 +94,8 @@ class LiveRun {
     std::string simulated{};
   };
 
+  [[nodiscard]] bool can_go_back() const { return worked_ && *worked_ != choice_; }
+
   /// Of several runs the worst counts; that none had a session counts where that is so of all.
   void store_exit_code(int exit_code) {
     constexpr std::array kFromWorst{program::kNotPassive, program::kFailed, program::kOutputLost, program::kDone,
@@ -115,6 +117,7 @@ class LiveRun {
       for (const auto& track : tracks) track->settings.network = "relay: " + words_of_network(*network_);
     }
     LiveTrack& main = *tracks.front();
+    main.settings.asks_again = !can_go_back();
     show(tracks);
     LiveLine line;
     Client client(main.settings, *main.device, std::move(main.law), {&line, main.tap.get()});
@@ -138,6 +141,9 @@ class LiveRun {
     if (beside.thread.joinable()) beside.thread.join();
     screen.end(last);
     if (again_) return program::kDone;  // the run proper follows
+    if (const std::string why_none = client.why_no_session(); !why_none.empty() && can_go_back() && !stop_) {
+      throw std::runtime_error(why_none + ": " + words_of_change(*worked_, choice_));
+    }
     tip_ = main.tip();
     return conclude(client);
   }
