@@ -174,9 +174,9 @@ class ForceBoundedLeader:
         time_s     the stamp of the reading, of a clock that only goes on (time.monotonic()); or
         dt         the time since the step before [s]; TypeError unless all steps have the same of both
 
-        A time that goes back or stands still is no exception, since servos hold their torques: torques are zero until those
-        before are over, and `fault` says so. ValueError for a wrong shape, TypeError for what are no numbers: the readings
-        count as lost then.
+        A time that goes back, stands still or is not a number is no exception, since servos hold their torques: torques are
+        zero until those before are over, and `fault` says so. ValueError for a wrong shape, TypeError for what are no
+        numbers: the readings count as lost then.
         """
         if (time_s is None) == (dt is None):
             raise TypeError("step takes either time_s, the stamp of the reading, or dt, the time since the step before")
