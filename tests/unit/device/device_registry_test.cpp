@@ -72,7 +72,7 @@ TEST(DeviceRegistry, UnknownDeviceIsRefusedWithTheKnownNames) {
     EXPECT_STREQ(error.what(),
                  "unknown device 'stil', did you mean 'still'? (known: arm-6dof, cartesian-2dof, cartesian-3dof, "
                  "falcon, firm-3dof, "
-                 "haply-2diy, omega-3, omni, wall-1dof, still); or the path of a .toml file");
+                 "haply-2diy, omega-3, omni, premium-6dof, wall-1dof, still); or the path of a .toml file");
   }
   EXPECT_THROW((void)devices.facts("no/such/file.toml"), std::runtime_error);
 }

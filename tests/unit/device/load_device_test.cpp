@@ -49,7 +49,7 @@ TEST(LoadDevice, ShipsThePapersDevices) {
 }
 
 TEST(LoadDevice, EveryShippedDeviceLoadsWithTheHoldTimeOfTwoTicks) {
-  ASSERT_EQ(shipped_device_names().size(), 9U);
+  ASSERT_EQ(shipped_device_names().size(), 10U);
   for (const std::string& name : shipped_device_names()) {
     const DeviceDescription device = load_device(name);
     EXPECT_EQ(device.facts.hold_s_max, 2e-3) << name;
@@ -80,11 +80,35 @@ bool reaches_cylinder(const DeviceDescription& device, double radius_m, double h
 }
 
 TEST(LoadDevice, PublishedDevicesReachTheirPublishedWorkspaceAndAreMarkedAsGuesses) {
-  for (const char* const name : {"falcon", "omega-3", "haply-2diy"}) EXPECT_FALSE(load_device(name).identified) << name;
+  for (const char* const name : {"falcon", "omega-3", "haply-2diy", "premium-6dof"}) {
+    EXPECT_FALSE(load_device(name).identified) << name;
+  }
   EXPECT_TRUE(load_device("omni").identified) << "the device of a paper's kind, not a published one's facts";
   EXPECT_TRUE(reaches_cylinder(load_device("falcon"), 0.05, 0.035));
   EXPECT_TRUE(reaches_cylinder(load_device("omega-3"), 0.08, 0.055));
   EXPECT_FALSE(reaches_cylinder(load_device("falcon"), 0.08, 0.055)) << "of two devices the smaller one";
+}
+
+TEST(LoadDevice, PremiumReachesItsPublishedWorkspaceWithALevelHandleFarFromSingularPlaces) {
+  const DeviceDescription premium = load_device("premium-6dof");
+  EXPECT_EQ(premium.facts.force_N_max, 8.5);
+  EXPECT_EQ(premium.facts.torque_N_m_max, 0.17);
+  const auto kinematics = make_kinematics(premium.geometry);
+  for (const double x : {-1.0, -0.5, 0.0, 0.5, 1.0}) {
+    for (const double y : {-1.0, 0.0, 1.0}) {
+      for (const double z : {-1.0, 0.0, 1.0}) {
+        Vector place(3);
+        place << 0.5 * 0.381 * x, 0.5 * 0.191 * y, 0.5 * 0.267 * z;
+        const Vector joint = kinematics->joints_at_pose(place, Eigen::Quaterniond::Identity());
+        EXPECT_LT((kinematics->position(joint) - place).norm(), 1e-9) << place.transpose();
+        EXPECT_LT(kinematics->orientation(joint)->vec().norm(), 1e-9) << place.transpose();
+        // Zero where the arm, or the gimbal whose axes meet in the tip, is singular.
+        const Matrix jacobian = kinematics->jacobian(joint);
+        EXPECT_GT(std::abs(jacobian.topLeftCorner<3, 3>().determinant()), 5e-4) << place.transpose();
+        EXPECT_GT(std::abs(jacobian.bottomRightCorner<3, 3>().determinant()), 0.2) << place.transpose();
+      }
+    }
+  }
 }
 
 TEST(LoadDevice, PublishedDevicesHaveTheirPublishedResolution) {
@@ -410,8 +434,10 @@ TEST(ParseFacts, LimitHowFastTheHandTurnsWhereATorqueIsShown) {
 TEST(LoadDevice, UnknownNameIsRefusedWithTheKnownNames) {
   const std::string what = refusal([] { (void)load_device("wall-2dof"); });
   EXPECT_THAT(what, HasSubstr("unknown device 'wall-2dof', did you mean 'wall-1dof'?"));
-  EXPECT_THAT(what,
-              HasSubstr("cartesian-2dof, cartesian-3dof, falcon, firm-3dof, haply-2diy, omega-3, omni, wall-1dof"));
+  EXPECT_THAT(
+      what,
+      HasSubstr(
+          "cartesian-2dof, cartesian-3dof, falcon, firm-3dof, haply-2diy, omega-3, omni, premium-6dof, wall-1dof"));
 }
 
 TEST(LoadDevice, FactsOfASimulatedDeviceAreRefused) {

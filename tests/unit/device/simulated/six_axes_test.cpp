@@ -26,11 +26,11 @@ using std::chrono::milliseconds;
 
 constexpr Nanoseconds kSixAxesStart = std::chrono::hours(1);
 
-/// The shipped device of six axes, a hand and a law, tick by tick as a client runs them.
+/// A shipped device of six axes, a hand and a law, tick by tick as a client runs them.
 class SixAxes {
  public:
-  SixAxes(const std::string& hand, const std::string& law, const DeviceFlaws& flaws = {})
-      : device_(facts_with(bounds_of(flaws)), make_operator(hand, 3, true), flaws),
+  SixAxes(const std::string& hand, const std::string& law, const DeviceFlaws& flaws = {}, const char* name = "arm-6dof")
+      : device_(facts_with(name, bounds_of(flaws)), make_operator(hand, 3, true), flaws),
         times_(device_),
         bounder_(device_.facts(), control::force_bounding_laws().make(law, device_.facts())) {}
 
@@ -54,8 +54,8 @@ class SixAxes {
   [[nodiscard]] double least_J() const { return device_.audit()->minimum_J; }
 
  private:
-  static DeviceDescription facts_with(const control::Uncertainty& uncertainty) {
-    DeviceDescription description = load_device("arm-6dof");
+  static DeviceDescription facts_with(const char* name, const control::Uncertainty& uncertainty) {
+    DeviceDescription description = load_device(name);
     description.facts.uncertainty = uncertainty;
     return description;
   }
@@ -163,8 +163,8 @@ TEST(SixAxesDevice, AuditCountsTheTorqueTimesTheAngularVelocity) {
 
 TEST(SixAxesDevice, IsPassiveWithTheExactLawAndNotWithoutOneAtALateRotationSpring) {
   const std::string hand = "press:from_m=0,to_m=0,turn_x_rad=0.3,turn_y_rad=0.2,turn_Hz=1";
-  const auto least_J_with = [&](const char* law) {
-    SixAxes run(hand, law);
+  const auto least_J_with = [&](const char* law, const char* device) {
+    SixAxes run(hand, law, {}, device);
     LateSprings springs(0, 5);
     double torque_N_m = 0;
     for (int tick = 0; tick < 4000; ++tick) {
@@ -175,8 +175,11 @@ TEST(SixAxesDevice, IsPassiveWithTheExactLawAndNotWithoutOneAtALateRotationSprin
     EXPECT_GT(torque_N_m, 0.02) << law << ": or nothing was shown";
     return run.least_J();
   };
-  EXPECT_GE(least_J_with("fba-exact"), -1e-9);
-  EXPECT_LT(least_J_with("none"), -1e-3);
+  for (const char* const device : {"arm-6dof", "premium-6dof"}) {
+    SCOPED_TRACE(device);
+    EXPECT_GE(least_J_with("fba-exact", device), -1e-9);
+    EXPECT_LT(least_J_with("none", device), -1e-3);
+  }
 }
 
 TEST(SixAxesDevice, IsPassiveWithTheExactLawForAnyRestlessHandAndNetwork) {
