@@ -4,6 +4,9 @@
 #include <cmath>
 #include <numeric>
 
+#include "forcebound/control/rotation.hpp"
+#include "forcebound/control/translation.hpp"
+
 namespace forcebound::lab {
 namespace {
 
@@ -43,6 +46,26 @@ void DirectionMeter::on_tick(const record::TickRecord& tick) noexcept {
   // Through the chord: exact for small angles, where the cosine is blind.
   const double chord = (tick.request / requested - tick.applied / applied).norm();
   error_rad_max_ = std::max(error_rad_max_, 2 * std::asin(std::min(1.0, chord / 2)));
+}
+
+void RotationalStiffness::on_tick(const record::TickRecord& tick) noexcept {
+  if (!tick.contact || tick.applied_torque_N_m.rows() == 0 || !tick.handle.orientation) return;
+  const Eigen::Vector3d torque_N_m = control::translation_of(tick.applied_torque_N_m);
+  const Eigen::Vector3d turned_rad =
+      control::rotation_vector(Eigen::Quaterniond::Identity(), control::quaternion_of(*tick.handle.orientation));
+  ++ticks_;
+  torque_ += torque_N_m;
+  turned_ += turned_rad;
+  torque_turned_ += torque_N_m.dot(turned_rad);
+  turned_squared_ += turned_rad.squaredNorm();
+}
+
+std::optional<double> RotationalStiffness::stiffness_N_m_per_rad() const {
+  constexpr double kLeast_rad = 1e-3;
+  if (ticks_ == 0) return std::nullopt;
+  const double spread_rad2 = turned_squared_ - turned_.squaredNorm() / ticks_;
+  if (spread_rad2 < kLeast_rad * kLeast_rad * ticks_) return std::nullopt;
+  return -(torque_turned_ - torque_.dot(turned_) / ticks_) / spread_rad2;
 }
 
 }  // namespace forcebound::lab

@@ -43,4 +43,25 @@ class DirectionMeter final : public record::TickSink {
   int samples_ = 0;
 };
 
+/// The displayed rotational stiffness: by how much more torque the handle is turned back for each radian that it turns,
+/// over all ticks in contact, by least squares about the means:
+///
+///     K = - sum (tau - mean tau)'(theta - mean theta) / sum |theta - mean theta|^2
+///
+/// tau: applied, about the grip; theta: the rotation vector from the scene's axes to the handle's.
+class RotationalStiffness final : public record::TickSink {
+ public:
+  void on_tick(const record::TickRecord& tick) noexcept override;
+
+  /// [N m/rad]; nothing where there is no torque, no contact, or less than a mrad of turning (RMS).
+  [[nodiscard]] std::optional<double> stiffness_N_m_per_rad() const;
+
+ private:
+  double ticks_ = 0;
+  Eigen::Vector3d torque_ = Eigen::Vector3d::Zero();  // sums, as all below
+  Eigen::Vector3d turned_ = Eigen::Vector3d::Zero();
+  double torque_turned_ = 0;
+  double turned_squared_ = 0;
+};
+
 }  // namespace forcebound::lab

@@ -132,7 +132,8 @@ std::vector<PlayedTrial> play_trials(const TrialsSettings& settings, results::La
     RingingMeter ringing;
     PushMeter push;
     ForceTrace trace;
-    std::vector<record::TickSink*> sinks{&ringing, &push, &trace};
+    RotationalStiffness rotational;
+    std::vector<record::TickSink*> sinks{&ringing, &push, &trace, &rotational};
     if (figure != nullptr) sinks.push_back(curves.at(trials.size()));
     sim::ClosedLoop loop(std::move(run), sinks);
     push.velocity_of = [&loop] { return loop.device().truth().velocity; };
@@ -144,6 +145,7 @@ std::vector<PlayedTrial> play_trials(const TrialsSettings& settings, results::La
     }
     trial.summary = Json::parse(loop.close().to_json());
     trial.ringing_s = ringing.ringing_s();
+    trial.rotational_N_m_per_rad = rotational.stiffness_N_m_per_rad();
     trial.push_N = push.push_N;
     if (played.rendering == kNoNetwork) without_network[played.law] = trace.applied_N;
     if (const auto without = without_network.find(played.law); without != without_network.end())
@@ -154,13 +156,15 @@ std::vector<PlayedTrial> play_trials(const TrialsSettings& settings, results::La
 }
 
 std::string trials_table(const TrialsSettings& settings, const std::vector<PlayedTrial>& trials, text::Colour colour) {
-  text::Table table({{"law"},
-                     {"rendering", "", text::Table::Align::left},
-                     {"least P", "mJ"},
-                     {"at rest", "%"},
-                     {"displayed", "N/m"},
-                     {"worst push", "N"},
-                     {"off by", "%"}});
+  const bool turns = device::load_device(settings.device).facts.rotations > 0;
+  std::vector<text::Table::Column> columns{
+      {"law"}, {"rendering", "", text::Table::Align::left}, {"least P", "mJ"}, {"at rest", "%"}, {"displayed", "N/m"}};
+  if (turns) columns.push_back({"turning", "N m/rad"});
+  // Shorter beside one column more, for 80 in all.
+  const std::string push = turns ? "push" : "worst push";
+  columns.push_back({push, "N"});
+  columns.push_back({"off by", "%"});
+  text::Table table(std::move(columns));
   std::size_t untouched = 0;
   for (const PlayedTrial& trial : trials) {
     if (!trial.refused.empty()) {
@@ -169,9 +173,16 @@ std::string trials_table(const TrialsSettings& settings, const std::vector<Playe
     }
     const Json& s = trial.summary;
     untouched += results::never_touched(s) ? 1 : 0;
-    table.add({trial.law, trial.rendering, results::least_P_cell(s), results::cell_at(s, "/at_rest/fraction", 100, 1),
-               results::cell_at(s, "/displayed_stiffness_N_per_m/median", 1, 0), text::fixed(trial.push_N, 2),
-               trial.off_by ? text::fixed(100 * *trial.off_by, 1) : "-"});
+    const auto or_dash = [](const std::optional<double>& value, double factor, int digits) {
+      return value ? text::fixed(factor * *value, digits) : "-";
+    };
+    std::vector<text::Table::Cell> row{trial.law, trial.rendering, results::least_P_cell(s),
+                                       results::cell_at(s, "/at_rest/fraction", 100, 1),
+                                       results::cell_at(s, "/displayed_stiffness_N_per_m/median", 1, 0)};
+    if (turns) row.emplace_back(or_dash(trial.rotational_N_m_per_rad, 1, 3));
+    row.emplace_back(text::fixed(trial.push_N, 2));
+    row.emplace_back(or_dash(trial.off_by, 100, 1));
+    table.add(std::move(row));
   }
   return "Each law and rendering in virtual time, the same figures on every machine:\n" +
          text::wrapped("scene " + settings.scene + ", device " + settings.device + ", hand " + settings.hand + ", " +
@@ -185,9 +196,14 @@ std::string trials_table(const TrialsSettings& settings, const std::vector<Playe
              "  least P     least of the energy that the device dissipated less the energy that its motors returned; "
              "below zero: not passive\n"
              "  at rest     share of the contact in which the depth changes by < 5 mm/s; displayed stiffness (force "
-             "over true depth) is the median there\n"
-             "  worst push  largest force along the device's motion: pushing, not resisting\n"
-             "  off by      RMS force error relative to the run without a network\n",
+             "over true depth) is the median there\n" +
+                 std::string(turns
+                                 ? "  turning     displayed rotational stiffness: torque by which the handle is turned "
+                                   "back for each radian, least squares over the contact\n"
+                                 : "") +
+                 "  " + push + std::string(12 - push.size(), ' ') +
+                 "largest force along the device's motion: pushing, not resisting\n"
+                 "  off by      RMS force error relative to the run without a network\n",
              0);
 }
 

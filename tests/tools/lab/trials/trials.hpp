@@ -34,9 +34,10 @@ struct PlayedTrial {
   std::string law;
   std::string rendering{};  ///< "no network", "remote" or "local"
   std::string refused{};    ///< why the law cannot work with this device; otherwise empty, and the rest is known
-  nlohmann::ordered_json summary{};   ///< as the client's --summary writes it
-  std::optional<double> ringing_s{};  ///< after the first contact; nothing without one
-  double push_N = 0;                  ///< the largest force along the device's own motion: pushing, not resisting
+  nlohmann::ordered_json summary{};                ///< as the client's --summary writes it
+  std::optional<double> ringing_s{};               ///< after the first contact; nothing without one
+  std::optional<double> rotational_N_m_per_rad{};  ///< displayed stiffness (RotationalStiffness)
+  double push_N = 0;  ///< the largest force along the device's own motion: pushing, not resisting
   /// Root mean square of the applied force's difference from that of the same law without a network, over the latter's;
   /// nothing where that was not played, or felt no force.
   std::optional<double> off_by{};

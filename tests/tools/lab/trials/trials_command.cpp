@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <vector>
 
 #include "forcebound/control/law_registry.hpp"
@@ -53,6 +54,8 @@ std::vector<std::string> inputs_of(const Options& options) {
   return inputs;
 }
 
+Json or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
+
 void run(Options options) {
   complete(options.settings);
   results::prepare(
@@ -81,8 +84,9 @@ void run(Options options) {
     all.push_back({{"law", trial.law},
                    {"rendering", trial.rendering},
                    {"refused", trial.refused},
-                   {"ringing_s", trial.ringing_s ? Json(*trial.ringing_s) : Json(nullptr)},
-                   {"off_by", trial.off_by ? Json(*trial.off_by) : Json(nullptr)},
+                   {"ringing_s", or_null(trial.ringing_s)},
+                   {"off_by", or_null(trial.off_by)},
+                   {"rotational_stiffness_N_m_per_rad", or_null(trial.rotational_N_m_per_rad)},
                    {"push_N", trial.push_N},
                    {"summary", trial.summary}});
   }

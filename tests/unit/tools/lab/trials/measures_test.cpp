@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "forcebound/control/rotation.hpp"
+
 namespace forcebound::lab {
 namespace {
 
@@ -70,6 +72,37 @@ TEST(DirectionMeter, LeavesOutZeroForcesAndSeesAReversal) {
   tick.applied = -Vector::Unit(2, 0);
   meter.on_tick(tick);
   EXPECT_NEAR(meter.error_rad_max(), M_PI, 1e-12);
+}
+
+/// Turned about x by an angle, and turned back by a stiffness beyond a torque that is always there.
+void feed(RotationalStiffness& meter, double angle_rad, double stiffness_N_m_per_rad, bool contact = true) {
+  record::TickRecord tick;
+  tick.contact = contact;
+  tick.applied_torque_N_m = Eigen::Vector3d(0.1 - stiffness_N_m_per_rad * angle_rad, 0.2, 0);
+  tick.handle.orientation = control::orientation_of(control::turn_by(Eigen::Vector3d(angle_rad, 0, 0)));
+  meter.on_tick(tick);
+}
+
+TEST(RotationalStiffness, IsTheTorqueForEachRadianInContact) {
+  RotationalStiffness meter;
+  for (int i = 0; i < 500; ++i) feed(meter, 0.3 + 0.1 * std::sin(0.05 * i), 1.5, i < 400);
+  for (int i = 0; i < 100; ++i) feed(meter, 0.01 * i, 40, false);
+  ASSERT_TRUE(meter.stiffness_N_m_per_rad());
+  EXPECT_NEAR(*meter.stiffness_N_m_per_rad(), 1.5, 1e-9);
+}
+
+TEST(RotationalStiffness, IsNotKnownWithoutTorqueContactOrTurning) {
+  RotationalStiffness meter;
+  EXPECT_FALSE(meter.stiffness_N_m_per_rad());
+  for (int i = 0; i < 100; ++i) feed(meter, 0.01 * i, 1, false);
+  EXPECT_FALSE(meter.stiffness_N_m_per_rad()) << "no contact";
+  record::TickRecord without_torque;
+  without_torque.contact = true;
+  without_torque.handle.orientation = control::Handle::Orientation{1, 0, 0, 0};
+  meter.on_tick(without_torque);
+  EXPECT_FALSE(meter.stiffness_N_m_per_rad()) << "no torque";
+  for (int i = 0; i < 100; ++i) feed(meter, 1e-5 * (i % 2), 1);
+  EXPECT_FALSE(meter.stiffness_N_m_per_rad()) << "no turning";
 }
 
 }  // namespace

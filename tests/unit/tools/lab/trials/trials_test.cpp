@@ -15,6 +15,7 @@ namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::Not;
 
 TrialsSettings settings_for(const std::string& scene) {
   const server::SuggestedHand suggested = server::suggested_hand(server::load_scene(scene));
@@ -86,6 +87,23 @@ TEST(PlayTrials, TheDomeIsAsStiffAsWithoutANetworkWithLocalRenderingOnly) {
     EXPECT_GE(results::number_at(trial.summary, "/passivity/minimum_J"), -1e-9) << trial.rendering;
   }
   EXPECT_THAT(trials_table(settings, trials, text::Colour::none), HasSubstr("fba-exact  no network"));
+}
+
+TEST(TrialsTable, HasTheRotationalStiffnessWhereADeviceShowsTorque) {
+  TrialsSettings settings = settings_for("blade");
+  settings.network = "none";
+  settings.renderings = {"local"};
+  settings.duration_s = 6;
+  const std::vector<PlayedTrial> trials = played(settings);
+  ASSERT_TRUE(trials.front().rotational_N_m_per_rad);
+  // 500 N/m on the corners of a sole of 60 x 20 mm, turned about its longer side: 500 N/m (10 mm)^2, less where it
+  // lifts.
+  EXPECT_GT(*trials.front().rotational_N_m_per_rad, 0.005);
+  EXPECT_LT(*trials.front().rotational_N_m_per_rad, 1);
+  EXPECT_THAT(trials_table(settings, trials, text::Colour::none), HasSubstr("[N m/rad]"));
+  settings = settings_for("plane");
+  settings.duration_s = 0.1;
+  EXPECT_THAT(trials_table(settings, played(settings), text::Colour::none), Not(HasSubstr("N m/rad")));
 }
 
 }  // namespace
