@@ -238,6 +238,7 @@ TEST(TheLab, RefusesWhatItCannotUseInOneLine) {
                    {{"soak", "--seeds", "0"}, 2, {"--seeds", "whole number from 1", "got '0'"}},
                    {{"soak", "--seeds", "1", "--minutes", "1"}, 2, {"--minutes", "does not go with", "--seeds"}},
                    {{"soak", "--law", "fba-exac"}, 2, {"--law", "'fba-exac', did you mean 'fba-exact'?"}},
+                   {{"soak", "--tools", "--law", "vc"}, 2, {"--tools: ", "law 'vc' has one gain"}},
                    {{"passivity", "--seconds", "-1"}, 2, {"--seconds", "above 0", "'-1'"}},
                    {{"passivity", "--csv", "/no/such/leaks.csv"}, 1, {"/no/such/leaks.csv", "No such file"}},
                    {{"trials", "spere"}, 2, {"SCENE", "'spere'", "'sphere'"}},

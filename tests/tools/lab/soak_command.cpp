@@ -42,6 +42,15 @@ struct SoakOptions {
   std::uint64_t from = 1;
   double minutes = 0;
   std::string law{kDrawn};
+  bool tools = false;
+
+  [[nodiscard]] SoakTip tip() const { return tools ? SoakTip::tool : SoakTip::point; }
+
+  /// The command that runs one case again.
+  [[nodiscard]] std::string command_of(std::uint64_t seed, const std::string& its_law) const {
+    return std::string("forcebound-lab soak ") + (tools ? "--tools " : "") + "--law " + its_law + " --seeds 1 --from " +
+           std::to_string(seed);
+  }
 };
 
 /// Results of all seeds so far.
@@ -83,12 +92,9 @@ class Tally {
            results::millijoules(sum_.least_P_J) + " mJ";
   }
 
-  void print() const {
+  void print(const SoakOptions& options) const {
     std::printf("%s\n", line().c_str());
-    if (worst_seed_ != 0) {
-      std::printf("  least P: forcebound-lab soak --law %s --seeds 1 --from %llu\n", worst_law_.c_str(),
-                  static_cast<unsigned long long>(worst_seed_));
-    }
+    if (worst_seed_ != 0) std::printf("  least P: %s\n", options.command_of(worst_seed_, worst_law_).c_str());
     const std::pair<const char*, std::uint64_t> counts[] = {{"ticks checked", sum_.ticks},
                                                             {"ledgers recomputed", sum_.recomputed},
                                                             {"late ticks", sum_.late_ticks},
@@ -130,13 +136,17 @@ class Tally {
   Shares truths_;  ///< by law, and whether the facts' bounds held the truth
 };
 
-[[noreturn]] void fail(std::uint64_t seed, const std::string& law, const SoakResult& result) {
-  std::printf("%s", draw_soak_case(seed, law).description().c_str());
+[[noreturn]] void fail(const SoakOptions& options, std::uint64_t seed, const std::string& law,
+                       const SoakResult& result) {
+  std::printf("%s", draw_soak_case(seed, law, options.tip()).description().c_str());
   throw std::runtime_error("seed " + std::to_string(seed) + ": " + result.broken +
-                           "\nagain: forcebound-lab soak --law " + law + " --seeds 1 --from " + std::to_string(seed));
+                           "\nagain: " + options.command_of(seed, law));
 }
 
 void run(const SoakOptions& options) {
+  if (options.law != kDrawn) {
+    program::value_of("--tools", [&] { (void)draw_soak_case(options.from, options.law, options.tip()); });
+  }
   std::signal(SIGINT, interrupt);
   std::signal(SIGTERM, interrupt);
   const bool live = isatty(STDERR_FILENO) != 0;
@@ -148,12 +158,12 @@ void run(const SoakOptions& options) {
   for (std::uint64_t i = 0; !interrupted; ++i) {
     if (options.minutes > 0 ? tally.elapsed_s() >= options.minutes * 60 : i == options.seeds) break;
     const std::uint64_t seed = options.from + i;
-    const std::string law = options.law == kDrawn ? law_of(seed) : options.law;
-    const SoakResult result = soak(seed, law);
+    const std::string law = options.law == kDrawn ? law_of(seed, options.tip()) : options.law;
+    const SoakResult result = soak(seed, law, options.tip());
     tally.add(seed, law, result);
     if (!result.broken.empty()) {
       progress.clear();
-      fail(seed, law, result);
+      fail(options, seed, law, result);
     }
     const double share = options.minutes > 0 ? tally.elapsed_s() / (options.minutes * 60)
                                              : static_cast<double>(i + 1) / static_cast<double>(options.seeds);
@@ -163,7 +173,7 @@ void run(const SoakOptions& options) {
     std::fprintf(stderr, "%s\n", tally.line().c_str());
   }
   progress.clear();
-  tally.print();
+  tally.print(options);
 }
 
 }  // namespace
@@ -188,6 +198,9 @@ void add_soak(CLI::App& app) {
       ->type_name("LAW")
       ->check(program::one_of("law", laws))
       ->capture_default_str();
+  command->add_flag("--tools", options->tools,
+                    "a tool that has a shape in the hand: peg_in_hole or blade on a device of six axes, which "
+                    "environments push and turn");
   command->footer(
       "From each seed: law, device, encoder, actuator, friction, latency, hold time, late ticks, the law's memory, "
       "hostile environment, restless hand, both ways of the network, blackouts, stalls, server kills, the server's "

@@ -201,7 +201,11 @@ void ClosedLoop::apply_faults() {
 }
 
 Truth ClosedLoop::truth() const {
-  return {.time = clock_.now(), .velocity = device_.truth().velocity, .ledger_J = session_->law().energy_J()};
+  const device::SimulatedDevice::Truth device = device_.truth();
+  return {.time = clock_.now(),
+          .velocity = device.velocity,
+          .turning = device.turning,
+          .ledger_J = session_->law().energy_J()};
 }
 
 const record::Summary& ClosedLoop::close() {

@@ -8,6 +8,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "forcebound/control/rotation.hpp"
+#include "forcebound/control/translation.hpp"
 #include "forcebound/text/names.hpp"
 #include "tests/tools/sim/draw.hpp"
 
@@ -33,21 +35,31 @@ struct View {
 /// Answers as the scene does, but with a force of its own.
 class Adversary : public server::Environment {
  public:
-  void set_honest(std::unique_ptr<server::Environment> honest, std::function<Truth()> truth) {
+  void set_honest(std::unique_ptr<server::Environment> honest, std::function<Truth()> truth, double lever_m) {
     honest_ = std::move(honest);
     truth_ = std::move(truth);
+    lever_m_ = lever_m;
   }
 
   server::Answer respond(const server::Motion& motion) noexcept final {
     server::Answer answer = honest_->respond(motion);
     const Truth truth = truth_();
-    answer.force = force({.time = truth.time,
-                          .position = motion.position,
-                          .velocity = truth.velocity,
-                          .own_force = answer.force,
-                          .ledger_J = truth.ledger_J});
+    const bool turns = lever_m_ > 0 && truth.turning.rows() > 0 && motion.handle.orientation;
+    const auto turn_or_none = [&](const Vector& turn) { return turns ? turn : Vector(); };
+    const Vector turned = turns ? Vector(control::rotation_vector(Eigen::Quaterniond::Identity(),
+                                                                  control::quaternion_of(*motion.handle.orientation)))
+                                : Vector();
+    const Vector own_torque_N_m = turn_or_none(control::translation_of(answer.torque_N_m));
+    const Vector chosen = force({.time = truth.time,
+                                 .position = with_turn(motion.position, turned, lever_m_),
+                                 .velocity = with_turn(truth.velocity, turn_or_none(truth.turning), lever_m_),
+                                 .own_force = with_turn(answer.force, own_torque_N_m, 1 / lever_m_),
+                                 .ledger_J = truth.ledger_J});
+    if (!is_hostile()) return answer;
+    answer.force = chosen.head(answer.force.rows());
+    if (turns) answer.torque_N_m = lever_m_ * chosen.tail(turned.rows());
     // Where the client renders the scene itself, the same comes beside it.
-    if (is_hostile()) answer.server_parts_N = answer.force;
+    answer.server_parts_N = answer.force;
     return answer;
   }
 
@@ -61,6 +73,7 @@ class Adversary : public server::Environment {
 
   std::unique_ptr<server::Environment> honest_;
   std::function<Truth()> truth_;
+  double lever_m_ = 0;
 };
 
 class Honest final : public Adversary {
@@ -241,6 +254,13 @@ const Kind& kind_of(const EnvironmentSetting& setting) {
 
 }  // namespace
 
+Vector with_turn(const Vector& straight, const Vector& turn, double factor) {
+  if (turn.rows() == 0) return straight;
+  Vector both(straight.rows() + turn.rows());
+  both << straight, factor * turn;
+  return both;
+}
+
 std::vector<std::string> environment_names() {
   std::vector<std::string> names;
   names.reserve(kKinds.size());
@@ -260,7 +280,7 @@ std::unique_ptr<server::Environment> make_environment(const EnvironmentSetting& 
                                                       std::unique_ptr<server::Environment> honest,
                                                       std::function<Truth()> truth) {
   auto adversary = kind_of(setting).make(setting);
-  adversary->set_honest(std::move(honest), std::move(truth));
+  adversary->set_honest(std::move(honest), std::move(truth), setting.lever_m);
   return adversary;
 }
 

@@ -20,6 +20,7 @@ using time::Nanoseconds;
 struct Truth {
   Nanoseconds time{0};  ///< true
   Vector velocity{};    ///< of the tip, now [m/s]
+  Vector turning{};     ///< of a tip that turns, now [rad/s]; no rows: it does not
   double ledger_J = 0;  ///< energy that the client's law may spend
 };
 
@@ -28,8 +29,14 @@ struct EnvironmentSetting {
   std::string name;  ///< one of `environment_names`
   std::uint64_t seed = 1;
   double force_N_max = 10;          ///< the device's
-  std::vector<Vector> other_run{};  ///< forces of another run, for "replayed"
+  std::vector<Vector> other_run{};  ///< forces of another run, for "replayed", as those below
+  /// Above 0, a tip that turns is pushed and turned: an adversary sees and makes vectors of six rows, in which a turn
+  /// is a length at the end of this lever and a torque a force there, so that their product is the power.
+  double lever_m = 0;
 };
+
+/// A vector of an adversary: `turn` times `factor` below `straight`, which it is where a tip does not turn (no rows).
+[[nodiscard]] Vector with_turn(const Vector& straight, const Vector& turn, double factor);
 
 /// "honest", which answers as the scene, and the hostile ones.
 [[nodiscard]] std::vector<std::string> environment_names();

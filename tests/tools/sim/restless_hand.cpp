@@ -10,12 +10,17 @@
 
 namespace forcebound::sim {
 
-RestlessHand::RestlessHand(const Settings& settings) : settings_(settings) {
-  Draw draw(settings.seed);
-  const int dof = settings.degrees_of_freedom;
+RestlessHand::RestlessHand(const Settings& settings)
+    : settings_(settings),
+      acts_(acts_of(settings.seed, settings.degrees_of_freedom, settings.reach_m, settings.duration_s)),
+      turns_(acts_of(~settings.seed, Eigen::Vector3d::RowsAtCompileTime, settings.turn_rad, settings.duration_s)) {}
+
+RestlessHand::Acts RestlessHand::acts_of(std::uint64_t seed, Eigen::Index rows, double reach, double duration_s) {
+  Draw draw(seed);
+  Acts acts;
   Act act;
-  act.to = act.from = act.shake = control::Vector::Zero(dof);
-  for (double time_s = 0; time_s < settings.duration_s || acts_.empty(); time_s += act.length_s) {
+  act.to = act.from = act.shake = control::Vector::Zero(rows);
+  for (double time_s = 0; time_s < duration_s || acts.empty(); time_s += act.length_s) {
     act.begin_s = time_s;
     act.length_s = draw.number(0.05, 0.6);
     act.from = act.to;
@@ -25,25 +30,37 @@ RestlessHand::RestlessHand(const Settings& settings) : settings_(settings) {
     switch (draw.index(5)) {
       case 0:
       case 1:  // pulls
-        act.to = draw.vector(dof, settings.reach_m);
+        act.to = draw.vector(rows, reach);
         break;
       case 2:  // holds
         break;
       case 3:  // shakes, by less than an encoder's count or much more
-        act.shake = draw.vector(dof, draw.one_of({1e-5, 1e-4, 5e-3}));
+        act.shake = draw.vector(rows, draw.one_of({1e-5, 1e-4, 5e-3}));
         act.shakes = std::ceil(act.length_s * draw.number(3, 25));
         break;
       default:  // releases
         act.grip = 0;
     }
-    acts_.push_back(act);
+    acts.push_back(act);
   }
+  return acts;
 }
 
 device::Operator::Target RestlessHand::target(double time_s) const noexcept {
-  const auto after = std::upper_bound(acts_.begin(), acts_.end(), time_s,
+  Target target = target_of(acts_, time_s);
+  if (settings_.middle_m.rows() > 0) target.position += settings_.middle_m;
+  return target;
+}
+
+Eigen::Vector3d RestlessHand::turn(double time_s) const noexcept {
+  if (settings_.turn_rad == 0) return Eigen::Vector3d::Zero();
+  return target_of(turns_, time_s).position;
+}
+
+device::Operator::Target RestlessHand::target_of(const Acts& acts, double time_s) noexcept {
+  const auto after = std::upper_bound(acts.begin(), acts.end(), time_s,
                                       [](double time, const Act& act) { return time < act.begin_s; });
-  const Act& act = after == acts_.begin() ? acts_.front() : *(after - 1);
+  const Act& act = after == acts.begin() ? acts.front() : *(after - 1);
   const double e = std::min(time_s - act.begin_s, act.length_s);
   const auto way = device::smooth_step(2 * e / act.length_s);
   const double phase = 2 * std::numbers::pi * act.shakes / act.length_s;
@@ -59,6 +76,11 @@ std::string RestlessHand::description() const {
   text << "restless:seed=" << settings_.seed << ",mass_kg=" << settings_.hand.mass_kg
        << ",stiffness_N_per_m=" << settings_.hand.stiffness_N_per_m
        << ",damping_N_s_per_m=" << settings_.hand.damping_N_s_per_m << ",reach_m=" << settings_.reach_m;
+  if (settings_.turn_rad > 0) {
+    text << ",rotation_stiffness_N_m_per_rad=" << settings_.hand.rotation_stiffness_N_m_per_rad
+         << ",rotation_damping_N_m_s_per_rad=" << settings_.hand.rotation_damping_N_m_s_per_rad
+         << ",turn_rad=" << settings_.turn_rad;
+  }
   return text.str();
 }
 

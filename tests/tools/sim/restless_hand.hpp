@@ -7,15 +7,17 @@
 
 namespace forcebound::sim {
 
-/// A hand that pulls, holds, shakes and releases by turns, all drawn from a seed.
+/// A hand that pulls, holds, shakes and releases by turns, all drawn from a seed; and turns a tip that turns likewise.
 class RestlessHand final : public device::Operator {
  public:
   struct Settings {
     std::uint64_t seed = 1;
     int degrees_of_freedom = 1;
     device::Hand hand{};
-    double reach_m = 0.02;   ///< how far from the origin it pulls, on each axis
-    double duration_s = 10;  ///< afterwards it holds
+    double reach_m = 0.02;       ///< how far from the middle it pulls, on each axis
+    double duration_s = 10;      ///< afterwards it holds
+    double turn_rad = 0;         ///< how far from the scene's axes it turns, about each; 0: it does not
+    control::Vector middle_m{};  ///< no rows: the origin
   };
 
   explicit RestlessHand(const Settings& settings);
@@ -24,6 +26,7 @@ class RestlessHand final : public device::Operator {
   [[nodiscard]] const device::Hand& hand() const noexcept override { return settings_.hand; }
   [[nodiscard]] int degrees_of_freedom() const noexcept override { return settings_.degrees_of_freedom; }
   [[nodiscard]] Target target(double time_s) const noexcept override;
+  [[nodiscard]] Eigen::Vector3d turn(double time_s) const noexcept override;
   [[nodiscard]] std::string description() const override;
 
  private:
@@ -38,8 +41,14 @@ class RestlessHand final : public device::Operator {
     double grip = 1;
   };
 
+  using Acts = std::vector<Act>;
+
+  [[nodiscard]] static Acts acts_of(std::uint64_t seed, Eigen::Index rows, double reach, double duration_s);
+  [[nodiscard]] static Target target_of(const Acts& acts, double time_s) noexcept;
+
   Settings settings_;
-  std::vector<Act> acts_;
+  Acts acts_;
+  Acts turns_;
 };
 
 }  // namespace forcebound::sim

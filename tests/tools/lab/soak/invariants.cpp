@@ -4,6 +4,8 @@
 #include <variant>
 
 #include "forcebound/control/classic_text.hpp"
+#include "forcebound/control/translation.hpp"
+#include "forcebound/control/wrench.hpp"
 #include "tests/tools/lab/soak/ledger_in_long_double.hpp"
 
 namespace forcebound::lab {
@@ -41,10 +43,10 @@ void Invariants::fail(const record::TickRecord& tick, const Parts&... parts) {
 void Invariants::on_tick(const record::TickRecord& tick) noexcept {
   ++ticks_;
   motions_ += tick.motion_sequence > 0;
-  if (!tick.applied.allFinite() || !tick.position.allFinite() || !std::isfinite(tick.energy_J) ||
-      !std::isfinite(tick.audit_J) || !std::isfinite(tick.xi)) {
-    fail(tick, "not finite: force [", tick.applied.transpose(), "] N, position [", tick.position.transpose(),
-         "] m, energy ", tick.energy_J, " J, P ", tick.audit_J, " J");
+  if (!tick.applied.allFinite() || !tick.applied_torque_N_m.allFinite() || !tick.position.allFinite() ||
+      !std::isfinite(tick.energy_J) || !std::isfinite(tick.audit_J) || !std::isfinite(tick.xi)) {
+    fail(tick, "not finite: force [", tick.applied.transpose(), "] N, torque [", tick.applied_torque_N_m.transpose(),
+         "] N m, position [", tick.position.transpose(), "] m, energy ", tick.energy_J, " J, P ", tick.audit_J, " J");
   }
   check_force(tick);
   check_energy(tick);
@@ -52,17 +54,23 @@ void Invariants::on_tick(const record::TickRecord& tick) noexcept {
 
 void Invariants::check_force(const record::TickRecord& tick) {
   const control::DeviceFacts& facts = case_.settings.device.facts;
-  const double size = tick.applied.norm();
-  if (size > facts.force_N_max * (1 + kForceRounding)) {
-    fail(tick, "force of ", size, " N, above the device's largest of ", facts.force_N_max, " N");
+  if (const double size_N = tick.applied.norm(); size_N > facts.force_N_max * (1 + kForceRounding)) {
+    fail(tick, "force of ", size_N, " N, above the device's largest of ", facts.force_N_max, " N");
   }
-  if (!case_.shortens || size == 0 || !tick.request.allFinite() || !facts.actuator_step.isZero(0)) return;
-  const double asked = tick.request.norm();
-  const control::Vector aside = tick.applied - tick.request / asked * (tick.applied.dot(tick.request) / asked);
-  if (size > asked * (1 + kForceRounding) || tick.applied.dot(tick.request) < 0 ||
-      aside.norm() > kDirectionRounding * size) {
-    fail(tick, "force [", tick.applied.transpose(), "] N is not the request [", tick.request.transpose(),
-         "] N shortened");
+  if (const double size_N_m = tick.applied_torque_N_m.norm(); size_N_m > facts.torque_N_m_max * (1 + kForceRounding)) {
+    fail(tick, "torque of ", size_N_m, " N m, above the device's largest of ", facts.torque_N_m_max, " N m");
+  }
+  const auto wrench = [&](const control::Vector& force_N, const control::Vector& torque_N_m) {
+    return control::wrench_of(force_N, control::translation_of(torque_N_m), facts.rotations);
+  };
+  const control::Vector applied = wrench(tick.applied, tick.applied_torque_N_m);
+  const control::Vector request = wrench(tick.request, tick.request_torque_N_m);
+  const double size = applied.norm();
+  if (!case_.shortens || size == 0 || !request.allFinite() || !facts.actuator_step.isZero(0)) return;
+  const double asked = request.norm();
+  const control::Vector aside = applied - request / asked * (applied.dot(request) / asked);
+  if (size > asked * (1 + kForceRounding) || applied.dot(request) < 0 || aside.norm() > kDirectionRounding * size) {
+    fail(tick, "force [", applied.transpose(), "] N is not the request [", request.transpose(), "] N shortened");
   }
 }
 

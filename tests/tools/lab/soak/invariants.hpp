@@ -13,7 +13,7 @@ class LedgerInLongDouble;
 
 /// Checks the invariants on every tick of a run, and keeps the first violation.
 ///
-///     everything finite;  |f| <= f_max
+///     everything finite;  |f| <= f_max;  torque likewise, of which the lines below hold too
 ///     f along the request and not longer, for a law that guarantees it, where motors do not round
 ///     P(t) >= -1e-9 J, for a law that guarantees it for this device and this clock
 ///     the energy that such a law may spend never exceeds P(t)

@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include "forcebound/control/exact_law.hpp"
+#include "forcebound/control/translation.hpp"
+#include "forcebound/control/wrench.hpp"
 
 namespace forcebound::lab {
 namespace {
@@ -52,8 +54,10 @@ Real LedgerInLongDouble::energy_J(const record::TickRecord& tick) {
     available_J = energy_J_ - taken_J;
   }
   const Nanoseconds earliest = commands_.empty() ? Nanoseconds::min() : commands_.back().effect;
+  const Vector wrench =
+      control::wrench_of(tick.applied, control::translation_of(tick.applied_torque_N_m), device_.facts.rotations);
   commands_.push_back(
-      {std::max(earliest, tick.time + tick.latency + latency_), jacobian(tick.joint).transpose() * tick.applied});
+      {std::max(earliest, tick.time + tick.latency + latency_), jacobian(tick.joint).transpose() * wrench});
   before_ = tick;
   return available_J;
 }
@@ -139,10 +143,12 @@ Real LedgerInLongDouble::taken_until_next_J(const record::TickRecord& tick) cons
 }
 
 Real LedgerInLongDouble::most_J(const Vector& joint) const {
+  const control::DeviceFacts& facts = device_.facts;
   const Matrix j = jacobian(joint);
   Real most_J = 0;
   for (Eigen::Index i = 0; i < joint.rows(); ++i) {
-    const Real torque = Real{device_.facts.force_N_max} * j.col(i).norm();
+    const Real torque = Real{facts.force_N_max} * j.col(i).head(facts.translations()).norm() +
+                        Real{facts.torque_N_m_max} * j.col(i).tail(facts.rotations).norm();
     most_J += reserve_J(static_cast<std::size_t>(i), torque, seconds(hold_));
   }
   return Real{control::Spending().memory_reserves} * most_J;

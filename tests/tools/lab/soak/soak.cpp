@@ -9,6 +9,7 @@
 
 #include "forcebound/baselines/baselines.hpp"
 #include "forcebound/control/law_registry.hpp"
+#include "forcebound/device/load_device.hpp"
 #include "tests/tools/lab/soak/invariants.hpp"
 #include "tests/tools/lab/soak/lying_model.hpp"
 #include "tests/tools/lab/soak/soak_case.hpp"
@@ -127,13 +128,20 @@ class Liar {
 
 }  // namespace
 
-std::string law_of(std::uint64_t seed) {
-  const std::vector<std::string> laws = baselines::shipped_laws().names();
+std::string law_of(std::uint64_t seed, SoakTip tip) {
+  const control::LawRegistry shipped = baselines::shipped_laws();
+  std::vector<std::string> laws = shipped.names();
+  if (tip == SoakTip::tool) {
+    const control::DeviceFacts facts = device::load_device("arm-6dof").facts;
+    std::erase_if(laws, [&](const std::string& law) { return !shipped.refusal(law, facts).empty(); });
+  }
   // Another stream than the case's own, so that the case does not depend on the law.
   return laws[sim::Draw(~seed).index(laws.size())];
 }
 
-SoakResult soak(std::uint64_t seed, const std::string& law) { return soak(draw_soak_case(seed, law)); }
+SoakResult soak(std::uint64_t seed, const std::string& law, SoakTip tip) {
+  return soak(draw_soak_case(seed, law, tip));
+}
 
 SoakResult soak(const SoakCase& drawn) {
   Invariants invariants(drawn);

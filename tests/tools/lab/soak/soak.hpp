@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <string>
 
+#include "tests/tools/lab/soak/soak_tip.hpp"
+
 namespace forcebound::lab {
 
 /// Result of one seed.
@@ -25,12 +27,12 @@ struct SoakResult {
 
 struct SoakCase;
 
-/// A law drawn from all.
-[[nodiscard]] std::string law_of(std::uint64_t seed);
+/// A law drawn from all, or from those that take a device of six axes.
+[[nodiscard]] std::string law_of(std::uint64_t seed, SoakTip tip = SoakTip::point);
 
 /// Draws a run from the seed, runs it with this law, and checks on every tick what must hold for all laws and what this
 /// law guarantees.
-[[nodiscard]] SoakResult soak(std::uint64_t seed, const std::string& law);
+[[nodiscard]] SoakResult soak(std::uint64_t seed, const std::string& law, SoakTip tip = SoakTip::point);
 
 /// The same of a case that is drawn already.
 [[nodiscard]] SoakResult soak(const SoakCase& drawn);

@@ -1,6 +1,7 @@
 #include "tests/tools/lab/soak/soak_case.hpp"
 
 #include <algorithm>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "forcebound/device/load_device.hpp"
 #include "forcebound/scene/geometry/triangle_mesh.hpp"
 #include "forcebound/scene/part.hpp"
+#include "forcebound/server/environment/scene_library.hpp"
 #include "forcebound/server/environment/scene_parser.hpp"
 #include "tests/tools/sim/draw.hpp"
 #include "tests/tools/sim/restless_hand.hpp"
@@ -25,9 +27,10 @@ constexpr Nanoseconds kDuration = 5s;
 /// Time without faults at the end, so that a session can come back.
 constexpr Nanoseconds kQuiet = 2500ms;
 
-device::DeviceDescription draw_device(Draw& draw) {
-  auto device = device::load_device(
-      draw.one_of({"wall-1dof", "wall-1dof", "cartesian-2dof", "cartesian-3dof", "cartesian-3dof", "omni"}));
+device::DeviceDescription draw_device(Draw& draw, SoakTip tip) {
+  auto device = device::load_device(tip == SoakTip::tool ? draw.one_of({"arm-6dof", "premium-6dof"})
+                                                         : draw.one_of({"wall-1dof", "wall-1dof", "cartesian-2dof",
+                                                                        "cartesian-3dof", "cartesian-3dof", "omni"}));
   control::DeviceFacts& facts = device.facts;
   const auto dof = facts.damping.rows();
   // Joint for joint the omni has about a thousandth of a Cartesian device's friction and steps of its own.
@@ -41,7 +44,9 @@ device::DeviceDescription draw_device(Draw& draw) {
     for (Eigen::Index i = 0; i < dof; ++i) mix.col(i) = draw.vector(dof, std::sqrt(facts.damping(i, i)));
     facts.damping += mix * mix.transpose();
   }
-  facts.force_N_max = draw.one_of({1.0, 1.0, 5.0}) * facts.force_N_max;
+  const double stronger = draw.one_of({1.0, 1.0, 5.0});
+  facts.force_N_max *= stronger;
+  facts.torque_N_m_max *= stronger;
   facts.actuator_step.setConstant(draw.one_of({0.0, 0.0, 1.0 / 2048}) * facts.force_N_max *
                                   (!device.facts.cartesian ? 0.1 : 1));
   facts.latency_s = draw.one_of({0.0, 0.0, 20e-6, 100e-6, 300e-6});
@@ -70,6 +75,15 @@ sim::RestlessHand::Settings draw_hand(Draw& draw, int degrees_of_freedom) {
   hand.reach_m = draw.one_of({1e-3, 1e-2, 3e-2});
   hand.duration_s = time::to_seconds(kDuration);
   return hand;
+}
+
+/// What the hand does with a tool, whose tip it holds about where the scene begins.
+void draw_turns(sim::RestlessHand::Settings& hand, const scene::Scene& scene, Draw draw) {
+  hand.hand.inertia_kg_m2 = draw.one_of({1e-4, 5e-4});
+  hand.hand.rotation_stiffness_N_m_per_rad = draw.one_of({0.1, 1.0, 3.0});
+  hand.hand.rotation_damping_N_m_s_per_rad = draw.one_of({0.0, 0.01, 0.05});
+  hand.turn_rad = draw.one_of({0.01, 0.1, 0.5});
+  hand.middle_m = -scene.facts().tool_m;
 }
 
 std::string draw_way(Draw& draw) {
@@ -101,7 +115,8 @@ sim::ClockSkew draw_skew(Draw& draw) {
   return skew;
 }
 
-std::shared_ptr<const scene::Scene> draw_scene(Draw& draw) {
+std::shared_ptr<const scene::Scene> draw_scene(Draw& draw, SoakTip tip) {
+  if (tip == SoakTip::tool) return server::load_scene(draw.one_of({"peg_in_hole", "blade"}));
   control::ClassicText toml;
   toml << "scene = { name = 'wall', description = 'a wall at x = 0', degrees_of_freedom = 'any' }\n"
           "[[object]]\nname = 'wall'\nshape = { kind = 'half_space', through_m = [0], normal = [-1] }\n"
@@ -181,17 +196,29 @@ void draw_rendering(SoakCase& drawn, Draw draw) {
   if (draw.chance(0.2)) settings.server_turn = draw.one_of<Nanoseconds>({300us, 3ms, 20ms});
 }
 
+/// Of a lever at which the device's largest torque is its largest force; 0 where it shows none.
+sim::EnvironmentSetting environment_on(const control::DeviceFacts& facts, std::string name) {
+  return {
+      .name = std::move(name), .force_N_max = facts.force_N_max, .lever_m = facts.torque_N_m_max / facts.force_N_max};
+}
+
 /// The forces received by a client on such a device from an active environment.
 std::vector<control::Vector> forces_of_another_run(ClosedLoop::Settings settings, std::uint64_t seed) {
   class Forces final : public record::TickSink {
    public:
-    void on_tick(const record::TickRecord& tick) noexcept override { forces.push_back(tick.request); }
+    explicit Forces(double lever_m) : lever_m_(lever_m) {}
+    void on_tick(const record::TickRecord& tick) noexcept override {
+      forces.push_back(sim::with_turn(tick.request, tick.request_torque_N_m, 1 / lever_m_));
+    }
     std::vector<control::Vector> forces;
+
+   private:
+    double lever_m_;
   };
-  settings.environment = sim::EnvironmentSetting{.name = "bang-bang", .force_N_max = settings.device.facts.force_N_max};
+  settings.environment = environment_on(settings.device.facts, "bang-bang");
   settings.seed = seed;
   settings.faults.clear();
-  Forces sink;
+  Forces sink(settings.environment->lever_m);
   ClosedLoop loop(std::move(settings), {&sink});
   loop.run(500ms);
   return sink.forces;
@@ -266,7 +293,7 @@ std::string name_of(ClosedLoop::Fault::Kind kind) {
 
 }  // namespace
 
-SoakCase draw_soak_case(std::uint64_t seed, const std::string& law) {
+SoakCase draw_soak_case(std::uint64_t seed, const std::string& law, SoakTip tip) {
   const control::LawRegistry laws = baselines::shipped_laws();
   const control::LawDescription& description = laws.find(law);
   Draw draw(seed);
@@ -275,15 +302,18 @@ SoakCase draw_soak_case(std::uint64_t seed, const std::string& law) {
   ClosedLoop::Settings& settings = drawn.settings;
   settings.law = law;
   settings.seed = draw.seed();
-  settings.device = draw_device(draw);
-  // Of as many axes, so that nothing else changes.
-  if (!laws.refusal(law, settings.device.facts).empty()) settings.device = device::load_device("cartesian-3dof");
+  settings.device = draw_device(draw, tip);
+  if (const std::string refused = laws.refusal(law, settings.device.facts); !refused.empty()) {
+    if (tip == SoakTip::tool) throw std::invalid_argument(refused);
+    // Of as many axes, so that nothing else changes.
+    settings.device = device::load_device("cartesian-3dof");
+  }
   settings.timing = draw_timing(draw);
   settings.law_options.memory = draw.chance(0.3) ? control::EnergyMemory::full : control::EnergyMemory::capped;
-  settings.make_hand = [hand = draw_hand(draw, settings.device.facts.translations())] {
-    return std::make_unique<sim::RestlessHand>(hand);
-  };
-  settings.scene = draw_scene(draw);
+  sim::RestlessHand::Settings hand = draw_hand(draw, settings.device.facts.translations());
+  settings.scene = draw_scene(draw, tip);
+  if (tip == SoakTip::tool) draw_turns(hand, *settings.scene, Draw(settings.seed ^ 0x2545f4914f6cdd1d));
+  settings.make_hand = [hand] { return std::make_unique<sim::RestlessHand>(hand); };
   drawn.network_up = draw_way(draw);
   drawn.network_down = draw_way(draw);
   if (!drawn.network_up.empty()) settings.network.up = netem::parse_netem(drawn.network_up);
@@ -297,8 +327,8 @@ SoakCase draw_soak_case(std::uint64_t seed, const std::string& law) {
   drawn.duration = kDuration;
 
   const auto names = sim::environment_names();
-  sim::EnvironmentSetting environment{
-      .name = names[draw.index(names.size())], .seed = draw.seed(), .force_N_max = settings.device.facts.force_N_max};
+  sim::EnvironmentSetting environment = environment_on(settings.device.facts, names[draw.index(names.size())]);
+  environment.seed = draw.seed();
   drawn.environment = environment.name;
   if (environment.name == "replayed") environment.other_run = forces_of_another_run(settings, draw.seed());
   settings.environment = environment;
@@ -313,8 +343,9 @@ std::string SoakCase::description() const {
   text << "  seed         " << seed << "\n  law          " << settings.law << ", memory "
        << (settings.law_options.memory == control::EnergyMemory::full ? "full" : "capped") << "\n  device       "
        << describe(settings.device) << ", latency " << settings.device.facts.latency_s * 1e6 << " us\n  hand         "
-       << settings.make_hand()->description() << "\n  environment  " << environment << "\n  ticks        "
-       << settings.timing.late_share * 100 << " % late by up to " << ms(settings.timing.late_max) << " ms"
+       << settings.make_hand()->description() << "\n  environment  " << environment << ", scene '"
+       << settings.scene->facts().name << "'\n  ticks        " << settings.timing.late_share * 100
+       << " % late by up to " << ms(settings.timing.late_max) << " ms"
        << (settings.timing.measured ? ", and as measured" : "") << "; command up to "
        << ms(settings.timing.choosing_max) * 1e3 << " us after the reading\n  network      up \"" << network_up
        << "\", down \"" << network_down << "\"\n  server       clock off by " << ms(settings.server_clock.offset)

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "tests/tools/lab/soak/soak_tip.hpp"
 #include "tests/tools/sim/closed_loop.hpp"
 
 namespace forcebound::lab {
@@ -29,7 +30,7 @@ struct SoakCase {
 /// environment, hand, network, faults, the server's clock, and where the forces are computed, all from the seed; the
 /// law is the caller's, so that the same seeds test all laws. A law with guarantees for an ideal device only gets one
 /// with half of the seeds; one that refuses the device gets another.
-/// @throws std::invalid_argument for an unknown law
-[[nodiscard]] SoakCase draw_soak_case(std::uint64_t seed, const std::string& law);
+/// @throws std::invalid_argument for an unknown law, and with a tool for one that refuses a device of six axes
+[[nodiscard]] SoakCase draw_soak_case(std::uint64_t seed, const std::string& law, SoakTip tip = SoakTip::point);
 
 }  // namespace forcebound::lab

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "tests/tools/sim/environment.hpp"
@@ -65,6 +66,21 @@ TEST(Environment, TakesOverTheForceAloneOfWhatTheSceneAnswers) {
   EXPECT_EQ(made.environment->faults().old_normals, 3U);
 }
 
+TEST(Environment, TurnsATipThatTurnsByAForceAtTheLever) {
+  const auto environment_at = [](double lever_m) {
+    Truth truth{.velocity = Vector::Zero(3)};
+    truth.turning = 2 * Vector::Unit(3, 1);
+    return make_environment({.name = "bang-bang", .force_N_max = 5, .lever_m = lever_m}, std::make_unique<Scene>(),
+                            [truth] { return truth; });
+  };
+  const Vector at = Vector::Zero(3);
+  const server::Motion motion{.position = at, .handle = {.orientation = control::Handle::Orientation{1, 0, 0, 0}}};
+  const server::Answer answer = environment_at(0.5)->respond(motion);
+  EXPECT_EQ(answer.force, at) << "the tip rests";
+  EXPECT_EQ(answer.torque_N_m, Vector(2.5 * Vector::Unit(3, 1)));
+  EXPECT_EQ(environment_at(0)->respond(motion).torque_N_m.rows(), 0) << "as without a lever";
+}
+
 TEST(GreedyEnvironment, PushesAlongTheMotionOnceTheLedgerIsFull) {
   Truth truth{.velocity = Vector::Constant(1, -0.3)};
   const auto greedy = make_environment({.name = "greedy", .seed = 1, .force_N_max = 7}, std::make_unique<Scene>(),
@@ -96,6 +112,24 @@ TEST(RestlessHand, PullsHoldsShakesAndLetsGoWithoutAJump) {
   EXPECT_TRUE(let_go);
   EXPECT_TRUE(pulled);
   EXPECT_EQ(before.velocity.norm(), 0) << "it holds in the end";
+}
+
+TEST(RestlessHand, TurnsATipAboutItsMiddleOnlyIfAskedTo) {
+  const Vector middle_m = Vector::Unit(3, 2);
+  const RestlessHand::Settings straight{.seed = 5, .degrees_of_freedom = 3, .reach_m = 0, .duration_s = 5};
+  RestlessHand::Settings turning = straight;
+  turning.turn_rad = 0.3;
+  turning.middle_m = middle_m;
+  double most_rad = 0;
+  const RestlessHand still(straight);
+  const RestlessHand hand(turning);
+  for (int ms = 0; ms < 5000; ++ms) {
+    ASSERT_TRUE(still.turn(1e-3 * ms).isZero(0));
+    ASSERT_LT((hand.target(1e-3 * ms).position - middle_m).norm(), 0.02);
+    most_rad = std::max(most_rad, hand.turn(1e-3 * ms).norm());
+  }
+  EXPECT_GT(most_rad, 0.1);
+  EXPECT_LT(most_rad, 0.3 * 2);
 }
 
 TEST(RestlessHand, MovesAsItsVelocitySays) {
