@@ -151,24 +151,26 @@ TEST(APage, OfARobotHasOneLawBecauseOneHandLeadsIt) {
   });
 }
 
-// A client that names no scene does not know where its hand begins until the server has told.
-TEST(APage, BeginsWhereTheServersOwnSceneSuggests) {
-  const TemporaryFolder folder;
-  const std::string file = folder.file("far.toml");
-  write_file(file, R"([scene]
-name = "far"
-description = "A ball about the place where hands begin elsewhere."
-degrees_of_freedom = 3
-suggested_hand = "press:axis=2,from_m=0.09,to_m=0.06"
-
+/// A scene that no client knows.
+std::string ball(const std::string& name, const std::string& radius_m, const std::string& more = "") {
+  return "[scene]\nname = \"" + name + "\"\ndescription = \"A ball.\"\ndegrees_of_freedom = 3\n" + more + R"(
 [[object]]
 name = "ball"
-shape = { kind = "sphere", center_m = [0, 0, 0], radius_m = 0.07 }
+shape = { kind = "sphere", center_m = [0, 0, 0], radius_m = )" +
+         radius_m + R"( }
 effects = ["surface"]
 
 [object.surface]
 stiffness_N_per_m = 500
-)");
+)";
+}
+
+// A client that names no scene does not know where its hand begins until the server has told.
+TEST(APage, BeginsWhereTheServersOwnSceneSuggests) {
+  const TemporaryFolder folder;
+  const std::string file = folder.file("far.toml");
+  // About the place where hands begin elsewhere.
+  write_file(file, ball("far", "0.07", R"(suggested_hand = "press:axis=2,from_m=0.09,to_m=0.06")"));
   for (const char* const rendering : {"local", "remote"}) {
     Server server({"--scene", file});
     Client client(server.address(), {"--page", "0", "--rendering", rendering});
@@ -184,19 +186,7 @@ stiffness_N_per_m = 500
 TEST(APage, GoesBackToTheDeviceThatTheServerTook) {
   const TemporaryFolder folder;
   const std::string file = folder.file("own.toml");
-  write_file(file, R"([scene]
-name = "own"
-description = "A ball that no client knows."
-degrees_of_freedom = 3
-
-[[object]]
-name = "ball"
-shape = { kind = "sphere", center_m = [0, 0, 0], radius_m = 0.02 }
-effects = ["surface"]
-
-[object.surface]
-stiffness_N_per_m = 500
-)");
+  write_file(file, ball("own", "0.02"));
   Server server({"--scene", file});
   Client client(server.address(), {"--page", "0"});
   Viewer viewer(client);

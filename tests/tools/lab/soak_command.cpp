@@ -144,7 +144,7 @@ class Tally {
 }
 
 void run(const SoakOptions& options) {
-  if (options.law != kDrawn) {
+  if (options.tools && options.law != kDrawn) {
     program::value_of("--tools", [&] { (void)draw_soak_case(options.from, options.law, options.tip()); });
   }
   std::signal(SIGINT, interrupt);
